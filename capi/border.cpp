@@ -69,6 +69,7 @@ rlslab_status caught(rlslab_status refused) noexcept {
         return failed(RLSLAB_INTERNAL, "an exception of an unknown type");
     }
 }
+// A version that appends members admits the sizes of the versions before it here, and reads those into the defaults.
 rlslab_status has_bytes(std::size_t bytes) noexcept {
     if (bytes == sizeof(rlslab_options)) return RLSLAB_OK;
     return failed(RLSLAB_INVALID, "options of %zu bytes, not the %zu of version %s (rlslab_defaults sets them)", bytes,

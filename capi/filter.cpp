@@ -117,10 +117,15 @@ rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, std:
     return RLSLAB_OK;
 }
 
-std::size_t rlslab_state_size(rlslab_filter const* filter) { return filter ? of(filter).state_size() : 0; }
+std::size_t rlslab_state_size(rlslab_filter const* filter) {
+    std::size_t size = 0;
+    if (filter) guarded([&] { size = of(filter).state_size(); });
+    return size;
+}
 rlslab_status rlslab_save(rlslab_filter const* filter, void* to, std::size_t room) {
     if (!filter || !to) return null_among({{"filter", filter}, {"to", to}});
-    std::size_t const size = of(filter).state_size();
+    std::size_t size = 0;
+    if (rlslab_status const status = guarded([&] { size = of(filter).state_size(); })) return status;
     if (rlslab_status const status = has_room(size, room)) return status;
     return guarded([&] { of(filter).save({static_cast<std::byte*>(to), size}); });
 }

@@ -69,10 +69,15 @@ rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, std::size_t m) {
     return guarded([&] { of(fleet).reset(native::Index(m)); });
 }
 
-std::size_t rlslab_fleet_state_size(rlslab_fleet const* fleet) { return fleet ? of(fleet).state_size() : 0; }
+std::size_t rlslab_fleet_state_size(rlslab_fleet const* fleet) {
+    std::size_t size = 0;
+    if (fleet) guarded([&] { size = of(fleet).state_size(); });
+    return size;
+}
 rlslab_status rlslab_fleet_save(rlslab_fleet const* fleet, void* to, std::size_t room) {
     if (!fleet || !to) return null_among({{"fleet", fleet}, {"to", to}});
-    std::size_t const size = of(fleet).state_size();
+    std::size_t size = 0;
+    if (rlslab_status const status = guarded([&] { size = of(fleet).state_size(); })) return status;
     if (rlslab_status const status = has_room(size, room)) return status;
     return guarded([&] { of(fleet).save({static_cast<std::byte*>(to), size}); });
 }

@@ -94,7 +94,8 @@ int describe(StudyArguments const& a) {
             RunOptions options = a.options;
             options.budget = budget;
             TimeEstimate const t = estimated_time(*study, options, 2);
-            int const threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+            int const threads =
+                options.threads > 0 ? options.threads : std::max(1, int(std::thread::hardware_concurrency()));
             double const seconds = t.of_one * std::max(1.0, double(t.trials) / threads);
             text += fmt::format("  {:<6}{} trials: {} {} on {} cores{}\n", name_of(budget), t.trials,
                                 t.tried > 0 ? "about" : "more than", duration_text(seconds), threads,

@@ -233,7 +233,7 @@ PyObject* text(PyObject* self, void*) {
 }
 PyObject* size(PyObject* self, void*) { return PyLong_FromSsize_t(Held::of(self)->native->size()); }
 PyObject* reports_covariance(PyObject* self, void*) {
-    return PyBool_FromLong(Held::of(self)->native->reports_covariance());
+    return with<Filter>(self, [](Filter& f) { return PyBool_FromLong(f.reports_covariance()); });
 }
 PyObject* health(PyObject* self, void*) {
     return with<Filter>(self, [](Filter& f) { return word(health_words, healths, f.health()); });

@@ -26,7 +26,7 @@ std::unique_ptr<Filter> composed(Composition const& composition, GuardOptions<do
     if constexpr (!requires { typename detail::SounderThan<T>::type; })
         expects(!composition.policy().hands_over(), "a guard that does not hand over: nothing here is sounder");
     return std::make_unique<FilterOf<AnyAdaptive<T>>>(
-        [=] { return composed_around<T>(composition, guard_options, variant, problem); });
+        [=, name = std::string(variant)] { return composed_around<T>(composition, guard_options, name, problem); });
 }
 
 }  // namespace native

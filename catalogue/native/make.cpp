@@ -118,8 +118,14 @@ Names controls() {
     return all;
 }
 
-std::string_view name_of_health(std::int32_t health) { return name_of(Health(health)); }
-std::string_view name_of_signal(std::int32_t signal) { return name_of(GuardSignal(signal)); }
+std::string_view name_of_health(std::int32_t health) {
+    expects(0 <= health && health <= 3, "a health from 0 to 3");
+    return name_of(Health(health));
+}
+std::string_view name_of_signal(std::int32_t signal) {
+    expects(0 <= signal && signal <= 5, "a signal from 0 to 5");
+    return name_of(GuardSignal(signal));
+}
 
 std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
     std::string text = "the state is " + std::string(name_of(fault));

@@ -257,6 +257,9 @@ class Filter(_core.Filter):
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(self.state)
+            mask = os.umask(0)
+            os.umask(mask)
+            os.chmod(part, 0o666 & ~mask)  # as any new file
             os.replace(part, target)
         except BaseException:
             os.unlink(part)

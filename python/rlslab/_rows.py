@@ -72,4 +72,6 @@ def prior(given: ArrayLike | None, shape: tuple[int, ...], name: str) -> Numbers
         raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} holds a number that is not finite")
-    return contiguous(array.astype(np.float64, copy=False))
+    own = np.array(array, dtype=np.float64, order="C")  # the caller's may change; copies and pickles are made of it
+    own.flags.writeable = False
+    return own

@@ -15,6 +15,15 @@ from . import _options, filter
 Self = TypeVar("Self", bound="RLSRegressor")
 
 
+def _validated(estimator: Any, *given: Any, **how: Any) -> Any:
+    """scikit-learn's look at X and y: a function from 1.6 on, a method before."""
+    try:
+        from sklearn.utils.validation import validate_data
+    except ImportError:
+        return estimator._validate_data(*given, **how)
+    return validate_data(estimator, *given, **how)
+
+
 class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Linear regression by recursive least squares: rows can come in parts, and old ones can be forgotten.
 
@@ -70,14 +79,14 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     def fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
         """Forget all and process these rows, the oldest first. ValueError for data that are not finite."""
-        rows, outputs = self._validate_data(X, y, y_numeric=True, reset=True)
+        rows, outputs = _validated(self, X, y, y_numeric=True, reset=True)
         self._start()
         return self._process(rows, outputs)
 
     def partial_fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
         """Process these rows after those before."""
         first = not hasattr(self, "filter_")
-        rows, outputs = self._validate_data(X, y, y_numeric=True, reset=first)
+        rows, outputs = _validated(self, X, y, y_numeric=True, reset=first)
         if first:
             self._start()
         return self._process(rows, outputs)
@@ -85,7 +94,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """X theta; with `return_std` also the standard deviation of y about it, noise and theta's error together."""
         check_is_fitted(self)
-        rows = self._rows(self._validate_data(X, reset=False))
+        rows = self._rows(_validated(self, X, reset=False))
         mean = rows @ self._theta
         if not return_std:
             return mean

@@ -72,18 +72,20 @@ double number_of(std::string const& study, std::string const& factor, std::strin
     bool const number = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
     bool const forgets = factor == "lambda" || factor == "forgetting";
     bool const whole = !forgets && all_numbers(own, [](double x) { return x == std::floor(x); });
-    double least = INFINITY;  // fewer rows or parameters than the study was made for may not be a problem at all
+    constexpr double most = 1e9;  // of a count
+    double least = INFINITY;      // fewer rows or parameters than the study was made for may not be a problem at all
     if (whole)
         for (Cell const& cell : own) least = std::min(least, std::get<double>(cell));
     bool const positive = forgets || all_numbers(own, [](double x) { return x > 0; });
     bool const at_least_0 = positive || all_numbers(own, [](double x) { return x >= 0; });
     bool const below_1 = !whole && all_numbers(own, [](double x) { return x < 1; });
     bool const at_most_1 = forgets || (!whole && all_numbers(own, [](double x) { return x <= 1; }));
-    if (number && (!whole || (value == std::floor(value) && value >= least)) && (!positive || value > 0) &&
-        (!at_least_0 || value >= 0) && (!at_most_1 || value <= 1) && (!below_1 || value < 1))
+    if (number && (!whole || (value == std::floor(value) && value >= least && value <= most)) &&
+        (!positive || value > 0) && (!at_least_0 || value >= 0) && (!at_most_1 || value <= 1) &&
+        (!below_1 || value < 1))
         return value;
     throw InputError(fmt::format("--set {}: study {} has {} there: expected {}{}{}, found \"{}\"", factor, study,
-                                 range_of(own), whole ? fmt::format("whole numbers of at least {}", least) : "numbers",
+                                 range_of(own), whole ? fmt::format("whole numbers from {} to 1e9", least) : "numbers",
                                  whole        ? ""
                                  : positive   ? " above 0"
                                  : at_least_0 ? " of at least 0"
@@ -138,6 +140,8 @@ std::vector<Factor> factors_of(Study const& study, RunOptions const& options) {
         }
     }
     if (options.seeds > 0) {
+        if (std::ranges::find(options.set, replicates, &FactorValues::name) != options.set.end())
+            throw InputError(fmt::format("--seeds: expected no --set {} beside it", replicates));
         auto const found = std::ranges::find(out, replicates, &Factor::name);
         if (found == out.end())
             throw InputError(

@@ -128,7 +128,9 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
         sections += section(outcome, figures(*outcome.study, outcome.table));
         auto const worst = std::ranges::min_element(outcome.judgements, {}, &Judgement::verdict);
         contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n",
-                                name_of(worst == outcome.judgements.end() ? Verdict::holds : worst->verdict),
+                                name_of(!outcome.changed.empty()            ? Verdict::undecided
+                                        : worst == outcome.judgements.end() ? Verdict::holds
+                                                                            : worst->verdict),
                                 outcome.study->name, escaped(outcome.study->question));
     }
     return page(

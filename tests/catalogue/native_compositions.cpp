@@ -91,6 +91,15 @@ void expect_alike(F typed, std::unique_ptr<Filter> filter) {
     EXPECT_EQ(state_bytes_of(*filter), state_bytes_of(start));
 }
 
+TEST(Native, AComposedFilterKeepsItsVariantsName) {
+    std::string name = "ud";
+    auto const filter = native::make(name, "double", {.size = 2, .guard = "reset"});
+    name = "qr";  // a caller's text may be gone when the filter starts anew
+    filter->reset();
+    EXPECT_EQ(filter->variant(), "ud");
+    EXPECT_TRUE(filter->reports_covariance());
+}
+
 template <class T>
 class NativeCompositions : public testing::Test {};
 using Both = testing::Types<float, double>;

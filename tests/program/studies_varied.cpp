@@ -65,11 +65,13 @@ TEST_F(Program, RefusesWhatIsNoFactorOrCannotBeOne) {
             "--set lambda: study gain_error has 1, 0.98 there: expected numbers above 0, at "
             "most 1, found \"1.5\"");
     refused(study + "--set lambda=x", "expected numbers above 0, at most 1, found \"x\"");
-    refused(study + "--set replicate=0.5", "expected whole numbers of at least 1, found \"0.5\"");
+    refused(study + "--set replicate=0.5", "expected whole numbers from 1 to 1e9, found \"0.5\"");
     refused(study + "--set lambda", "--set: expected FACTOR=VALUE[,VALUE], found \"lambda\"");
     refused(study + "--set lambda=0.9,,1", "--set: expected FACTOR=VALUE[,VALUE]");
     refused(study + "--set lambda=1,1.0", "--set lambda: 1 is there twice");
     refused(study + "--set lambda=1 --set lambda=0.9", "--set: factor \"lambda\" is set twice");
+    refused(study + "--set replicate=7 --seeds 2", "--seeds: expected no --set replicate beside it");
+    refused(study + "--set replicate=1e19", "expected whole numbers from 1 to 1e9, found \"1e19\"");
     refused(study + "--seeds 20 --record r.json", "--record: does not go with --set and --seeds");
     refused("study gain_identities --seeds 20", "--seeds: study gain_identities has no factor \"replicate\"");
     EXPECT_FALSE(fs::exists(folder / "out"));

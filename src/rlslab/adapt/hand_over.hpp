@@ -169,8 +169,9 @@ public:
     /// (4). False where P did not factor, or where it was handed over before.
     bool hand_over() {
         if (handed_) return false;
+        auto const made = convert<Sounder>(first_, number_as<U>(lambda_));  // may throw std::bad_alloc: before a change
         handed_ = true;
-        if (auto made = convert<Sounder>(first_, number_as<U>(lambda_))) {
+        if (made) {
             second_ = *made;
             return true;
         }

@@ -10,13 +10,15 @@
 namespace rlslab::detail {
 
 /// Shows the columns of a triangle to `to` as pieces (first number, count). upper: rows up to the diagonal, else from
-/// it on; unit: without the diagonal, which is 1.
+/// it on; unit: without the diagonal, which is shown to to.one: 1, or NaN after a row that was not finite.
 template <class T, int N, class To>
 void pieces_of_triangle(StateMatrix<T, N>& A, bool upper, bool unit, To& to) {
     Index const d = A.size();
-    for (Index j = 0; j < d; ++j)
+    for (Index j = 0; j < d; ++j) {
+        if (unit) to.one(A.column(j)[j]);
         if (upper) to.piece(A.column(j), unit ? j : j + 1);
         else to.piece(A.column(j) + j + unit, d - j - unit);
+    }
 }
 
 /// Shows what an update reads and changes of a filter in this form, in pieces: no gain, no constants, no workspace.
@@ -72,6 +74,7 @@ struct RecordSize : Silent {
         packs += Index((sizeof(X) + sizeof(P) - 1) / sizeof(P));
     }
     void piece(P const*, Index n) { packs += n; }
+    void one(P const&) {}
 };
 template <class P>
 struct RecordWriting : Silent {
@@ -88,6 +91,7 @@ struct RecordWriting : Silent {
         for (Index i = 0; i < n; ++i) to[i] = x[i];
         to += n;
     }
+    void one(P const&) {}
 };
 template <class P>
 struct RecordReading : Silent {
@@ -103,6 +107,8 @@ struct RecordReading : Silent {
         for (Index i = 0; i < n; ++i) x[i] = from[i];
         from += n;
     }
+    /// Not kept: what an earlier filter in this workspace left there is not this one's.
+    [[gnu::always_inline]] void one(P& x) { x = P(1); }
 };
 
 template <class F>
