@@ -207,7 +207,7 @@ TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
         }
         DivisorNearOne<double> const by_r(0.875);
         multiply(A, x.data(), wrong);
-        NextRow<double, Dynamic> next(d);
+        NextRow<kernels::SubtractRankOne<double>, Dynamic> next(d);
         next.announce(x.data());
         subtract_rank_one(A, x, f, by_r, next);
         multiply(A, x.data(), right);

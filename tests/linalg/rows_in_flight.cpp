@@ -1,4 +1,5 @@
 // The kernel that rotates several rows in at the same time leaves the bits of the text for single rows.
+#include "tests/common/each_isa.hpp"
 #include "tests/linalg/known_rows.hpp"
 
 #include <rlslab/linalg/sweeps.hpp>

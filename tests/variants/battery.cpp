@@ -170,6 +170,7 @@ public:
         ++looks_;
         return {Stored<double>::Quantity::covariance, Stored<double>::Form::plain, P_.view()};
     }
+    static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.f_, f.K_, f.P_); }
 };
 
 template <Fault fault>
