@@ -36,7 +36,7 @@ struct Outcome {
     std::vector<Judgement> judgements;    ///< one for each claim; none if options.changed()
     std::vector<std::string> provenance;  ///< "key: value", the lines above the CSV's header
     size_t trials, resumed;               ///< all trials, and the trials that an interrupted run had finished
-    std::string changed;                  ///< "kappa = 1e2, 1e4": what differs from the study's own factors
+    std::string changed = {};             ///< "kappa = 1e2, 1e4": what differs from the study's own factors
     bool holds() const;                   ///< every claim
 };
 

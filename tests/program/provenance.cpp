@@ -22,7 +22,7 @@ std::string const data = std::string(RLSLAB_SOURCE_DIR) + "/data/sales.csv";
 constexpr char const* digest = "a7c0bca5c98e0bd8118af18dc1d6a110b1d7f2d0877c985a669b5e59f7f1ab57";
 
 TEST_F(Program, SaysTheRunInEveryAnswer) {
-    for (std::string const command :
+    for (std::string const& command :
          {"compare " + data + " --input lead --output sales --order 1",
           "identify " + data + " --input lead --output sales --order 1", "excitation " + data + " --input lead"}) {
         json const run = json::parse(shell("rlslab " + command + " --json --quiet").out).at("run");
