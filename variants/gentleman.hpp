@@ -13,8 +13,7 @@ namespace rlslab {
 ///   (1) x = psi, and for i = 1 ... d, j > i:  x_j' -= x_i' R_ij       (2) 1/w_{i+1} = 1/w_i + |x_i|^2 / (lambda D_i)
 ///   (3) D' = lambda D_i + w_i |x_i|^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
 ///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;
-///       z_i and eta alike
-///   (5) gamma = w_{d+1},   e = eta
+///       z_i and eta alike              (5) gamma = w_{d+1},  e = eta
 ///
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
 /// theta (R theta = z) and K are solved for on request. Storage d^2 (half used); per update 2 d^2 + O(d)
@@ -37,8 +36,7 @@ public:
     explicit Gentleman(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), z_(problem.size), psi_(problem.size), x_(problem.size),
           rest_(problem.size), s_(problem.size), D_(problem.size), before_(problem.size), c_(problem.size),
-          L_(problem.size),
-          lengths_(problem.size) {
+          L_(problem.size), lengths_(problem.size) {
         start_information(problem, L_, D_);
         multiply_lower_transposed(L_, start_theta<T, N>(problem), z_);
         lengths_.start(L_, D_, z_);
@@ -53,20 +51,19 @@ public:
         eliminate(L_, x_);                                                                               // (1)
         scale(D_, lambda_, before_);
         Truth<T> determined = true;
-        Index const d = x_.size();
-        for (Index i = 0; i < d; ++i) determined = determined && !(before_[i] == RealOf<T>(0));
+        for (Index i = 0; i < x_.size(); ++i) determined = determined && !(before_[i] == RealOf<T>(0));
         RealOf<T> const w = gentleman_weights(x_, before_, s_, c_, D_);                                  // (2)
         add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
         if (!all(determined))
-            for (Index i = 0; i < d; ++i) {
+            for (Index i = 0; i < x_.size(); ++i) {
                 Truth<T> const nothing = D_[i] == RealOf<T>(0);    // before and after this row
                 c_[i] = select(nothing, RealOf<T>(1), c_[i]);
                 s_[i] = select(nothing, T(0), s_[i]);
             }
         sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
-        for (Index i = 0; i < d; ++i) {
+        for (Index i = 0; i < x_.size(); ++i) {
             T const t = z_[i], turned = s_[i] * eta;
             z_[i] = c_[i] * t + turned;
             eta -= conjugate(x_[i]) * t;

@@ -150,7 +150,7 @@ TEST(IdentifyAnswers, AVariantThatBrokeDownExitsWithOneAndIsNamed) {
     };
     auto const [bad, said] = run("conventional");
     EXPECT_EQ(bad, 1) << said;
-    EXPECT_THAT(said, Names("conventional row --variant"));
+    EXPECT_THAT(said, Names("conventional row 1"));
     EXPECT_THAT(not_numbers(said), testing::IsEmpty());
     EXPECT_EQ(run("ud").first, 0);
 }
