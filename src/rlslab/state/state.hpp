@@ -408,7 +408,7 @@ StateFault compared_with_version_1(F const& f, Edition accepted) {
 
 /// f becomes the filter that was saved, bit for bit; f was made with the same size and the same options, its forgetting
 /// and prior may be others. Anything but StateFault::none leaves f as it was. Neither allocates nor throws (sparse
-/// variants allocate). A checksum is no signature: who can write a file can also make its checksum right.
+/// variants and fleets allocate). A checksum is no signature: who can write a file can also make its checksum right.
 template <NamesItsState F>
 StateFault load(F& f, std::span<std::byte const> from, Edition accepted = Edition::same) {
     StateHeader found;
