@@ -9,7 +9,8 @@ namespace {
 
 using namespace rlslab;
 
-/// Whether the filter finds y = 3 + 2 x, about (`information` in 11 bits does not), and a copy of its state goes on as it does.
+/// Whether the filter finds y = 3 + 2 x, about (`information` in 11 bits does not), and a copy of its state goes on as
+/// it does.
 bool finds_the_line(AnyFilter& filter, AnyFilter& other, Arithmetic const& arithmetic) {
     for (int k = 0; k < 200; ++k) {
         double const x = k % 16 / 8.0;
