@@ -102,7 +102,7 @@ public:
     Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
         : detail::AroundFilter<F, true>(filter), options_(options),
           lambda_(checked(problem, int(filter.theta().size())).forgetting),
-          limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(filter_.theta().size()),
+          limit_(T(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000)))), psi_(filter_.theta().size()),
           variances_(psi_.size()), theta_(psi_.size()), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(),
                 policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
