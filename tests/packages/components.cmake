@@ -18,7 +18,7 @@ expect("${kernels}" "librlslab_kernels.a" "kernels")
 expect("${native}" "librlslab_native.a" "native")
 expect("${core}" "librlslab_core.a" "core")
 expect("${library}" "^[^;]*librlslab\\.so\\.1;[^;]*librlslab\\.so\\.1\\.[0-9.]+(;|$)" "library")
-expect("${c}" "include/rlslab\\.h.*librlslab\\.a;[^;]*librlslab\\.so$" "c")
+expect("${c}" "include/rlslab\\.h.*librlslab\\.a;[^;]*librlslab\\.so(;|$)" "c")
 expect("${catalogue}" "librlslab_catalogue.a" "catalogue")
 expect_not("${kernels};${native};${core};${catalogue};${sparse};${program}" "[^;]*\\.hpp"
   "a header outside of the headers")
