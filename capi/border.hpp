@@ -53,4 +53,23 @@ rlslab_status has_bytes(std::size_t bytes) noexcept;
 /// Whether the state fits into the room.
 rlslab_status has_room(std::size_t size, std::size_t room) noexcept;
 
+/// The state of a filter or of a fleet: its bytes, 0 where memory is not enough to count them; written; read.
+template <class Native>
+std::size_t state_size(Native const& native) noexcept {
+    std::size_t size = 0;
+    guarded([&] { size = native.state_size(); });
+    return size;
+}
+template <class Native>
+rlslab_status save(Native const& native, void* to, std::size_t room) noexcept {
+    std::size_t size = 0;
+    if (rlslab_status const status = guarded([&] { size = native.state_size(); })) return status;
+    if (rlslab_status const status = has_room(size, room)) return status;
+    return guarded([&] { native.save({static_cast<std::byte*>(to), size}); });
+}
+template <class Native>
+rlslab_status load(Native& native, void const* from, std::size_t bytes) noexcept {
+    return guarded([&] { native.load({static_cast<std::byte const*>(from), bytes}); }, RLSLAB_STATE);
+}
+
 }  // namespace rlslab::c

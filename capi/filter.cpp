@@ -117,19 +117,12 @@ rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, std:
     return RLSLAB_OK;
 }
 
-std::size_t rlslab_state_size(rlslab_filter const* filter) {
-    std::size_t size = 0;
-    if (filter) guarded([&] { size = of(filter).state_size(); });
-    return size;
-}
+std::size_t rlslab_state_size(rlslab_filter const* filter) { return filter ? state_size(of(filter)) : 0; }
 rlslab_status rlslab_save(rlslab_filter const* filter, void* to, std::size_t room) {
     if (!filter || !to) return null_among({{"filter", filter}, {"to", to}});
-    std::size_t size = 0;
-    if (rlslab_status const status = guarded([&] { size = of(filter).state_size(); })) return status;
-    if (rlslab_status const status = has_room(size, room)) return status;
-    return guarded([&] { of(filter).save({static_cast<std::byte*>(to), size}); });
+    return save(of(filter), to, room);
 }
 rlslab_status rlslab_load(rlslab_filter* filter, void const* from, std::size_t bytes) {
     if (!filter || !from) return null_among({{"filter", filter}, {"from", from}});
-    return guarded([&] { of(filter).load({static_cast<std::byte const*>(from), bytes}); }, RLSLAB_STATE);
+    return load(of(filter), from, bytes);
 }

@@ -69,19 +69,12 @@ rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, std::size_t m) {
     return guarded([&] { of(fleet).reset(native::Index(m)); });
 }
 
-std::size_t rlslab_fleet_state_size(rlslab_fleet const* fleet) {
-    std::size_t size = 0;
-    if (fleet) guarded([&] { size = of(fleet).state_size(); });
-    return size;
-}
+std::size_t rlslab_fleet_state_size(rlslab_fleet const* fleet) { return fleet ? state_size(of(fleet)) : 0; }
 rlslab_status rlslab_fleet_save(rlslab_fleet const* fleet, void* to, std::size_t room) {
     if (!fleet || !to) return null_among({{"fleet", fleet}, {"to", to}});
-    std::size_t size = 0;
-    if (rlslab_status const status = guarded([&] { size = of(fleet).state_size(); })) return status;
-    if (rlslab_status const status = has_room(size, room)) return status;
-    return guarded([&] { of(fleet).save({static_cast<std::byte*>(to), size}); });
+    return save(of(fleet), to, room);
 }
 rlslab_status rlslab_fleet_load(rlslab_fleet* fleet, void const* from, std::size_t bytes) {
     if (!fleet || !from) return null_among({{"fleet", fleet}, {"from", from}});
-    return guarded([&] { of(fleet).load({static_cast<std::byte const*>(from), bytes}); }, RLSLAB_STATE);
+    return load(of(fleet), from, bytes);
 }

@@ -201,30 +201,6 @@ PyObject* read_into(PyObject* self, PyObject* out) {
         return Py_NewRef(Py_None);
     });
 }
-PyObject* state(PyObject* self, PyObject*) {
-    return with<Filter>(self, [](Filter& f) -> PyObject* {
-        PyObject* const out = PyBytes_FromStringAndSize(nullptr, Py_ssize_t(f.state_size()));
-        if (!out) return nullptr;
-        try {
-            f.save({reinterpret_cast<std::byte*>(PyBytes_AsString(out)), f.state_size()});
-        } catch (std::exception const&) {
-            Py_DECREF(out);
-            throw;
-        }
-        return out;
-    });
-}
-PyObject* load(PyObject* self, PyObject* bytes) {
-    View view;
-    if (!view.of(bytes, PyBUF_SIMPLE)) return nullptr;
-    return with<Filter>(self, [&](Filter& f) {
-        f.load({view.data<std::byte const>(), std::size_t(view.buffer.len)});
-        return Py_NewRef(Py_None);
-    });
-}
-PyObject* clone(PyObject* self, PyObject*) {
-    return with<Filter>(self, [&](Filter& f) { return Held::make(Py_TYPE(self), f.clone()); });
-}
 
 template <std::string_view (Filter::*name)() const>
 PyObject* text(PyObject* self, void*) {
@@ -329,9 +305,9 @@ PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL, update_tex
                          {"_gain", read_into<&Filter::gain, false>, METH_O, nullptr},
                          {"_covariance", read_into<&Filter::covariance, true>, METH_O, nullptr},
                          {"_information", read_into<&Filter::information, true>, METH_O, nullptr},
-                         {"_state", state, METH_NOARGS, nullptr},
-                         {"_load", load, METH_O, nullptr},
-                         {"_clone", clone, METH_NOARGS, nullptr},
+                         {"_state", state<Filter>, METH_NOARGS, nullptr},
+                         {"_load", load<Filter>, METH_O, nullptr},
+                         {"_clone", clone<Filter>, METH_NOARGS, nullptr},
                          {nullptr, nullptr, 0, nullptr}};
 PyGetSetDef members[] = {
     {"size", size, nullptr, "The number of parameters d.", nullptr},

@@ -75,30 +75,6 @@ PyObject* reset(PyObject* self, PyObject* which) {
         return Py_NewRef(Py_None);
     });
 }
-PyObject* state(PyObject* self, PyObject*) {
-    return with<Fleet>(self, [](Fleet& f) -> PyObject* {
-        PyObject* const out = PyBytes_FromStringAndSize(nullptr, Py_ssize_t(f.state_size()));
-        if (!out) return nullptr;
-        try {
-            f.save({reinterpret_cast<std::byte*>(PyBytes_AsString(out)), f.state_size()});
-        } catch (std::exception const&) {
-            Py_DECREF(out);
-            throw;
-        }
-        return out;
-    });
-}
-PyObject* load(PyObject* self, PyObject* bytes) {
-    View view;
-    if (!view.of(bytes, PyBUF_SIMPLE)) return nullptr;
-    return with<Fleet>(self, [&](Fleet& f) {
-        f.load({view.data<std::byte const>(), std::size_t(view.buffer.len)});
-        return Py_NewRef(Py_None);
-    });
-}
-PyObject* clone(PyObject* self, PyObject*) {
-    return with<Fleet>(self, [&](Fleet& f) { return Held::make(Py_TYPE(self), f.clone()); });
-}
 PyObject* size(PyObject* self, void*) { return PyLong_FromSsize_t(Held::of(self)->native->size()); }
 PyObject* filters(PyObject* self, void*) { return PyLong_FromSsize_t(Held::of(self)->native->filters()); }
 
@@ -106,9 +82,9 @@ PyMethodDef methods[] = {{"_update", as_method(update), METH_FASTCALL, nullptr},
                          {"_theta", theta, METH_O, nullptr},
                          {"_health", health, METH_O, nullptr},
                          {"_reset", reset, METH_O, nullptr},
-                         {"_state", state, METH_NOARGS, nullptr},
-                         {"_load", load, METH_O, nullptr},
-                         {"_clone", clone, METH_NOARGS, nullptr},
+                         {"_state", state<Fleet>, METH_NOARGS, nullptr},
+                         {"_load", load<Fleet>, METH_O, nullptr},
+                         {"_clone", clone<Fleet>, METH_NOARGS, nullptr},
                          {nullptr, nullptr, 0, nullptr}};
 PyGetSetDef members[] = {{"size", size, nullptr, "The number of parameters d of each filter.", nullptr},
                          {"filters", filters, nullptr, "The number of filters M.", nullptr},

@@ -121,6 +121,35 @@ PyObject* with(PyObject* self, Call&& call) {
         return raise(std::current_exception());
     }
 }
+/// Methods of a filter and of a fleet: the state as bytes, from bytes, a copy of the object.
+template <class Native>
+PyObject* state(PyObject* self, PyObject*) {
+    return with<Native>(self, [](Native& native) -> PyObject* {
+        std::size_t const size = native.state_size();
+        PyObject* const out = PyBytes_FromStringAndSize(nullptr, Py_ssize_t(size));
+        if (!out) return nullptr;
+        try {
+            native.save({reinterpret_cast<std::byte*>(PyBytes_AsString(out)), size});
+        } catch (std::exception const&) {
+            Py_DECREF(out);
+            throw;
+        }
+        return out;
+    });
+}
+template <class Native>
+PyObject* load(PyObject* self, PyObject* bytes) {
+    View view;
+    if (!view.of(bytes, PyBUF_SIMPLE)) return nullptr;
+    return with<Native>(self, [&](Native& native) {
+        native.load({view.data<std::byte const>(), std::size_t(view.buffer.len)});
+        return Py_NewRef(Py_None);
+    });
+}
+template <class Native>
+PyObject* clone(PyObject* self, PyObject*) {
+    return with<Native>(self, [&](Native& native) { return Holder<Native>::make(Py_TYPE(self), native.clone()); });
+}
 /// call(native) without the interpreter's lock; false with Python's error set where it threw. Where the interpreter
 /// ends meanwhile, this does not return: the thread is unwound, so that nothing with a destructor that needs the lock
 /// may stand in the caller.
