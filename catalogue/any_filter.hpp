@@ -8,6 +8,7 @@
 #include <rlslab/core/records.hpp>
 #include <rlslab/core/stored.hpp>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -48,21 +49,21 @@ struct Arithmetic {
     std::string_view name;
     int digits, min_exp, max_exp;
     bool stochastic;
-    double (*round)(
-        double);  ///< a number as this arithmetic stores it; to nearest, also if the operations round stochastically
+    /// A number as this arithmetic stores it: to nearest, also if the operations round otherwise.
+    std::function<double(double)> round;
     double unit_roundoff() const { return std::ldexp(1.0, -digits); }
     double decimal_digits() const { return digits * 0.30102999566398120; }  ///< log10 2
 };
 
 /// The problem and the data as an arithmetic stores them, each number rounded by `round`. The reference for that
 /// arithmetic must be computed from the same numbers.
-inline Problem<double> as_stored(Problem<double> const& problem, double (*round)(double)) {
+inline Problem<double> as_stored(Problem<double> const& problem, std::function<double(double)> const& round) {
     return problem.mapped<double>(round);
 }
 inline Problem<double> as_stored(Problem<double> const& problem, Arithmetic const& arithmetic) {
     return as_stored(problem, arithmetic.round);
 }
-inline Records as_stored(Records records, double (*round)(double)) {
+inline Records as_stored(Records records, std::function<double(double)> const& round) {
     records.psi = records.psi.unaryExpr(round).eval();
     records.y = records.y.unaryExpr(round).eval();
     return records;
@@ -82,10 +83,10 @@ struct CatalogueEntry {
     Family family;                ///< F::family: its colour and mark in figures
     /// Makes the filter for a problem given in binary64. The seed is for stochastic rounding; other arithmetics ignore
     /// it. Throws std::invalid_argument for a problem that is not well posed.
-    std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);
+    std::function<std::unique_ptr<AnyFilter>(Problem<double> const&, Seed)> make;
     /// Nanoseconds for one row and theta() after it: the least mean over stretches of the records. Types are not erased
     /// inside.
-    double (*time)(Problem<double> const&, Records const&, Seed);
+    std::function<double(Problem<double> const&, Records const&, Seed)> time;
 };
 
 }  // namespace rlslab

@@ -2,6 +2,7 @@
 // places in the list of arithmetics.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/instances.hpp>
+#include <rlslab/input/suggestion.hpp>
 #include <rlslab/model/order_recursive.hpp>
 
 #include <algorithm>
@@ -54,6 +55,22 @@ CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std
 }
 CatalogueEntry const* find_entry(std::string_view variant, std::string_view arithmetic) {
     return find_entry(catalogue(), variant, arithmetic);
+}
+
+Arithmetic const& arithmetic_named(std::string_view name, std::string_view where) {
+    if (std::vector<CatalogueEntry> const* const own = entries_at_run_time(name, where)) return *own->front().arithmetic;
+    std::vector<std::string_view> names;
+    for (Arithmetic const& a : arithmetics()) names.push_back(a.name);
+    expect_one_of(names, name, where, "arithmetic");
+    return *std::ranges::find(arithmetics(), name, &Arithmetic::name);
+}
+
+std::vector<CatalogueEntry const*> entries_in(Arithmetic const& arithmetic) {
+    std::vector<CatalogueEntry> const* const own = entries_at_run_time(arithmetic.name, "");
+    std::vector<CatalogueEntry const*> out;
+    for (CatalogueEntry const& entry : own ? *own : catalogue())
+        if (entry.arithmetic == &arithmetic) out.push_back(&entry);
+    return out;
 }
 
 std::vector<CatalogueEntry const*> one_entry_each() {

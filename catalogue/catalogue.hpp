@@ -22,10 +22,14 @@ struct Cost {
 /// Every pair of variant and arithmetic: arithmetics from the shortest to the longest, variants in the order of the
 /// list.
 std::vector<CatalogueEntry> const& catalogue();
-/// Every variant in VariablePrecision (<rlslab/arithmetic/variable_precision.hpp>), which rounds to the length set by
-/// the `PrecisionScope` of the calling thread. It has no entry in the catalogue because its length is chosen at run
-/// time.
+/// Every variant in VariablePrecision (<rlslab/arithmetic/variable_precision.hpp>), which rounds to the format set by
+/// the `PrecisionScope` of the calling thread. It has no entry in the catalogue because its format is chosen at run
+/// time. A filter keeps the format that was set when it was made.
 std::vector<CatalogueEntry> const& variable_precision_catalogue();
+/// The same in the format that the name gives: "p11", N bits with double's exponents; "p11:-14:15", with a range, as
+/// Format has it; "p11:-14:15:stochastic" or ":toward_zero". Null for a name that does not begin with p and a number.
+/// Throws InputError ("WHERE: ...") for one that does and is no format that double can emulate.
+std::vector<CatalogueEntry> const* entries_at_run_time(std::string_view name, std::string_view where);
 /// The entry of a variant in an arithmetic, of these or of the catalogue's; nullptr where there is none.
 CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant,
                                  std::string_view arithmetic);
@@ -36,6 +40,10 @@ std::vector<CatalogueEntry const*> one_entry_each();
 std::optional<Family> family_of_variant(std::string_view name);
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
+/// One of these, or a format at run time. Throws InputError ("WHERE: ...") for another name.
+Arithmetic const& arithmetic_named(std::string_view name, std::string_view where);
+/// The entries of an arithmetic of either kind, in the order of the list of variants.
+std::vector<CatalogueEntry const*> entries_in(Arithmetic const& arithmetic);
 /// What a dense variant stores, as seen on a filter in double after some rows. Sparse ones, in double alone, are not
 /// there.
 struct VariantForm {

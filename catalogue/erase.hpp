@@ -64,8 +64,19 @@ void load_bytes(F& f, std::span<std::byte const> from) {
 template <RecursiveLeastSquares F>
 class Erased final : public AnyFilter {
     using T = typename F::scalar;
+    static constexpr bool at_run_time = std::same_as<T, VariablePrecision>;
     F filter_;
     Seed seed_;
+    [[no_unique_address]] ArithmeticOfNow<T> arithmetic_;
+
+    /// While it exists, this thread computes as the filter does; random bits come from `seed`.
+    class Within {
+        typename ArithmeticOfNow<T>::In arithmetic_;
+        RoundingSeedScope<T> draws_;
+
+    public:
+        Within(Erased const& filter, Seed& seed) : arithmetic_(filter.arithmetic_), draws_(seed) {}
+    };
 
     static Step<double> step_in_double(Step<T> const& s) {
         return {in_double(s.innovation), in_double(s.residual), in_double(s.gamma), s.health};
@@ -74,12 +85,20 @@ class Erased final : public AnyFilter {
 public:
     using scalar = T;
     static constexpr std::string_view name = F::name;
-    static constexpr std::string_view layer = DataRounding<T>::stochastic ? "stream" : F::name;
+    static constexpr std::string_view layer = at_run_time                  ? "format"
+                                              : DataRounding<T>::stochastic ? "stream"
+                                                                            : F::name;
     static constexpr int edition = detail::edition_of<F>();
     /// The filter, and where rounding is at random its stream.
     static auto state(auto& e) {
-        if constexpr (DataRounding<T>::stochastic) return std::tie(e.filter_, e.seed_);
+        if constexpr (DataRounding<T>::stochastic || at_run_time) return std::tie(e.filter_, e.seed_);
         else return F::state(e.filter_);
+    }
+    /// Length and range stand in the state's header.
+    static auto options(auto const& e)
+        requires at_run_time
+    {
+        return std::array{StateOption{"rounding", double(int(e.arithmetic_.format.rounding))}};
     }
 
     /// The seed is in use already here: the start from a prior rounds too.
@@ -90,8 +109,8 @@ public:
     Erased(F filter, Seed seed) : filter_(std::move(filter)), seed_(seed) {}
 
     Step<double> update(Regressor<double> psi, double y) override {
+        Within const within(*this, seed_);
         Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
-        RoundingSeedScope<T> const draws(seed_);
         return step_in_double(filter_.update(row, round_to<T>(y)));
     }
     Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) override {
@@ -99,8 +118,8 @@ public:
             Index const columns = relative.cols();
             expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()),
                     "an error for each number of the gain");
+            Within const within(*this, seed_);
             Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
-            RoundingSeedScope<T> const draws(seed_);
             return step_in_double(
                 filter_.update(row, round_to<T>(y), RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
         } else {
@@ -109,27 +128,33 @@ public:
         }
     }
     Step<double> update_block(Records const& records, Index first, Index last) override {
+        Within const within(*this, seed_);
         Matrix<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&round_to<T>);
         Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&round_to<T>);
-        RoundingSeedScope<T> const draws(seed_);
         return step_in_double(process(filter_, psi, y));
     }
     // Reports draw from a copy of the seed, so that they do not change later results.
     Vector<Reference> theta() const override {
         Seed copy = seed_;
-        RoundingSeedScope<T> const draws(copy);
+        Within const within(*this, copy);
         return Vector<T>(filter_.theta()).unaryExpr(&widened<T>);
     }
     Vector<Reference> gain() const override {
         Seed copy = seed_;
-        RoundingSeedScope<T> const draws(copy);
+        Within const within(*this, copy);
         return Vector<T>(filter_.gain()).unaryExpr(&widened<T>);
     }
     Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
     Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
-    std::vector<std::byte> saved() const override { return saved_bytes(*this); }
-    void load(std::span<std::byte const> from) override { load_bytes(*this, from); }
+    std::vector<std::byte> saved() const override {
+        typename ArithmeticOfNow<T>::In const arithmetic(arithmetic_);
+        return saved_bytes(*this);
+    }
+    void load(std::span<std::byte const> from) override {
+        typename ArithmeticOfNow<T>::In const arithmetic(arithmetic_);
+        load_bytes(*this, from);
+    }
 };
 
 /// The least time per row over stretches of the records, each measured as in the benchmarks.

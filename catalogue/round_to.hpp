@@ -1,7 +1,7 @@
 // How binary64 data are rounded to an arithmetic, and the random stream of a stochastic one.
 #pragma once
 
-#include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/problem.hpp>
 
 namespace rlslab {
@@ -15,6 +15,27 @@ struct RoundingSeedScope {
 template <Format F>
 struct RoundingSeedScope<Chopped<F, Rounding::stochastic>> : StochasticStream {
     using StochasticStream::StochasticStream;
+};
+
+template <>
+struct RoundingSeedScope<VariablePrecision> : StochasticStream {
+    using StochasticStream::StochasticStream;
+};
+
+/// What a filter in T keeps of the arithmetic that was set when it was made: VariablePrecision's format. Nothing for
+/// others. An `In` sets it again in this thread until it is destroyed.
+template <class Scalar>
+struct ArithmeticOfNow {
+    struct In {
+        explicit In(ArithmeticOfNow const&) {}
+    };
+};
+template <>
+struct ArithmeticOfNow<VariablePrecision> {
+    RunTimeFormat format = PrecisionScope::format();
+    struct In : PrecisionScope {
+        explicit In(ArithmeticOfNow const& then) : PrecisionScope(then.format) {}
+    };
 };
 
 /// How T stores a binary64 number: through T's constructor and back where T has at most 53 bits, as it is otherwise.
@@ -35,6 +56,14 @@ template <Format F, Rounding R>
 struct DataRounding<Chopped<F, R>> {
     static constexpr bool stochastic = R == Rounding::stochastic;
     static double round(double x) { return static_cast<double>(Chopped<F>(x)); }
+};
+template <>
+struct DataRounding<VariablePrecision> {
+    static constexpr bool stochastic = false;  // where it is, the arithmetic at run time says so
+    static double round(double x) {
+        RunTimeFormat const& now = PrecisionScope::format();
+        return now.has_range() ? round_to_nearest(x, now.format) : round_to_bits(x, 0, now.format.digits);
+    }
 };
 
 /// x as T stores it.

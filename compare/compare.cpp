@@ -101,24 +101,32 @@ std::string constants_text(Records const& records) {
     return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
 
-/// The entries that the options select, in the catalogue's order.
+/// The entries that the options select, each arithmetic's in the catalogue's order.
 std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
-    std::vector<std::string_view> variants, scalars;
+    std::vector<std::string_view> variants;
+    std::vector<Arithmetic const*> used;
     for (CatalogueEntry const* const entry : one_entry_each()) variants.push_back(entry->variant);
-    for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
-    for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
+    for (std::string const& name : options.arithmetics) used.push_back(&arithmetic_named(name, "--arithmetic"));
+    if (used.empty())
+        for (Arithmetic const& arithmetic : arithmetics()) used.push_back(&arithmetic);
     for (std::string const& name : options.composition.empty() ? std::vector<std::string>() : options.arithmetics)
         if (std::ranges::find(composed_arithmetics(), name) == composed_arithmetics().end())
             throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
                                          fmt::join(composed_arithmetics(), " and "), name));
-    auto const selected = [](std::vector<std::string> const& names, std::string_view name) {
-        return names.empty() || std::ranges::find(names, name) != names.end();
+    // From the shortest to the longest; the catalogue's before others of their length, in its order.
+    auto const place = [](Arithmetic const* a) {
+        for (size_t i = 0; i < arithmetics().size(); ++i)
+            if (a == &arithmetics()[i]) return i;
+        return arithmetics().size();
     };
+    std::ranges::sort(used, {}, [&](Arithmetic const* a) { return std::tuple(a->digits, place(a), a->name); });
+    used.erase(std::unique(used.begin(), used.end()), used.end());
     std::vector<CatalogueEntry const*> out;
-    for (CatalogueEntry const& entry : catalogue())
-        if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name))
-            out.push_back(&entry);
+    for (Arithmetic const* const arithmetic : used)
+        for (CatalogueEntry const* const entry : entries_in(*arithmetic))
+            if (options.variants.empty() || std::ranges::find(options.variants, entry->variant) != options.variants.end())
+                out.push_back(entry);
     if (out.empty())
         throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
@@ -152,7 +160,7 @@ double noise_variance(Records const& records, CertifiedSolution const& solution)
     }
     return static_cast<double>(squares) / double(records.rows() - records.parameters());
 }
-Composition as_stored(Composition composition, double (*round)(double)) {
+Composition as_stored(Composition composition, std::function<double(double)> const& round) {
     for (double& x : composition.parameters) x = round(x);
     return composition;
 }
@@ -245,7 +253,7 @@ Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& reco
         std::string_view const name = rounding_of(*a);
         if (out.rounded.contains(name)) continue;
         bool const wide = name == "double";
-        auto const round = wide ? &as_is : a->round;
+        std::function<double(double)> const round = wide ? as_is : a->round;
         int const digits = wide ? std::max(30, int(most_digits) + 15) : 30;
         RoundedProblem const& one = out.rounded[name] =
             rounded_problem(records, given.problem, round, orders, digits, one_more);

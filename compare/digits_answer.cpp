@@ -20,21 +20,20 @@ constexpr double digits_a_doubling = 0.60205999132796239;  // 2 log10 2: the pri
 
 /// Those that the options name, in that order, or all; each once, and with one of the variants.
 std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
-    std::vector<std::string_view> names, wanted;
-    for (Arithmetic const& a : arithmetics()) names.push_back(a.name);
-    for (std::string const& name : options.arithmetics) {
-        expect_one_of(names, name, "--arithmetic", "arithmetic");
-        if (std::ranges::find(wanted, name) == wanted.end()) wanted.push_back(name);
-    }
-    std::vector<Arithmetic const*> out;
-    for (std::string_view const name : wanted.empty() ? names : wanted)
-        if (std::ranges::any_of(catalogue(), [&](CatalogueEntry const& e) {
-                return e.arithmetic->name == name &&
-                       (options.variants.empty() ||
-                        std::ranges::find(options.variants, e.variant) != options.variants.end());
+    std::vector<Arithmetic const*> wanted, out;
+    for (std::string const& name : options.arithmetics)
+        if (Arithmetic const* const a = &arithmetic_named(name, "--arithmetic");
+            std::ranges::find(wanted, a) == wanted.end())
+            wanted.push_back(a);
+    bool const any = wanted.empty();
+    if (any)
+        for (Arithmetic const& a : arithmetics()) wanted.push_back(&a);
+    for (Arithmetic const* const a : wanted)
+        if (std::ranges::any_of(entries_in(*a), [&](CatalogueEntry const* e) {
+                return options.variants.empty() || std::ranges::find(options.variants, e->variant) != options.variants.end();
             }))
-            out.push_back(&*std::ranges::find(arithmetics(), name, &Arithmetic::name));
-    if (wanted.empty()) std::ranges::stable_sort(out, {}, &Arithmetic::digits);
+            out.push_back(a);
+    if (any) std::ranges::stable_sort(out, {}, &Arithmetic::digits);
     if (out.empty())
         throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;

@@ -107,7 +107,8 @@ Command compare_command(CLI::App& app) {
     define_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
     define_arithmetics(
         *comparing, a->options.arithmetics,
-        "only these (rlslab list; also half, single, fp32, fp64); in this order for --digits; default float,double");
+        "only these (rlslab list; also half, single, fp32, fp64; and p11, N bits, or p8:-126:127[:stochastic|"
+        ":toward_zero] with a range of exponents); in this order for --digits; default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
     comparing
         ->add_option("--digits", a->options.digits,

@@ -102,6 +102,12 @@ Cell value_of(Study const& study, std::string const& factor, std::string const& 
     if (!all_words(own) && !a_word) return number_of(study.name, factor, text, own);
     for (Cell const& value : own)
         if (as_text(value) == text) return value;
+    bool const arithmetics_alone = std::ranges::all_of(own, [](Cell const& cell) {
+        return std::ranges::find(arithmetics(), as_text(cell), &Arithmetic::name) != arithmetics().end();
+    });
+    if (arithmetics_alone)
+        if (std::vector<CatalogueEntry> const* const at_run_time = entries_at_run_time(text, "--set " + factor))
+            return std::string(at_run_time->front().arithmetic->name);
     std::vector<std::string> const words = admitted_words(own, options);
     expect_one_of(std::vector<std::string_view>(words.begin(), words.end()), text, "--set " + factor, "value");
     return text;

@@ -31,6 +31,9 @@ Seed Trial::seed(std::vector<std::string> const& factors) const {
 
 CatalogueEntry const& Trial::entry(std::string_view variant, std::string_view arithmetic) const {
     if (CatalogueEntry const* const entry = find_entry(*entries_, variant, arithmetic)) return *entry;
+    if (std::vector<CatalogueEntry> const* const own = entries_at_run_time(arithmetic, "arithmetic"))
+        for (CatalogueEntry const& entry : *own)
+            if (entry.variant == variant) return entry;
     throw std::logic_error(fmt::format("study {}: no {} in {}", study_, variant, arithmetic));
 }
 

@@ -47,9 +47,9 @@ bool same(double a, double b) {
 using Rounder = std::function<double(double head, double tail, double u)>;
 template <Format F>
 Rounder rounder(Rounding rounding) {
-    if (rounding == Rounding::nearest) return [](double x, double, double) { return round_to_nearest<F>(x); };
-    if (rounding == Rounding::toward_zero) return [](double x, double t, double) { return round_toward_zero<F>(x, t); };
-    return [](double x, double t, double u) { return round_stochastically<F>(x, t, [u] { return u; }); };
+    if (rounding == Rounding::nearest) return [](double x, double, double) { return round_to_nearest(x, F); };
+    if (rounding == Rounding::toward_zero) return [](double x, double t, double) { return round_toward_zero(x, t, F); };
+    return [](double x, double t, double u) { return round_stochastically(x, t, F, [u] { return u; }); };
 }
 bool symmetric(Rounder const& round, double head, double tail, double u, double expected) {
     return same(round(head, tail, u), expected) && same(round(-head, -tail, u), -expected);
@@ -142,8 +142,8 @@ TEST(Format, RoundsEveryNumberMidpointAndNeighbour) {
 }
 TEST(Format, ExactNumbersDrawNothing) {
     auto const refuse = []() -> double { throw std::logic_error("drawn"); };
-    for (double const x : numbers(binary16)) EXPECT_NO_THROW(round_stochastically<binary16>(-x, 0, refuse));
-    EXPECT_THROW(round_stochastically<binary16>(1, 0x1p-90, refuse), std::logic_error);
+    for (double const x : numbers(binary16)) EXPECT_NO_THROW(round_stochastically(-x, 0, binary16, refuse));
+    EXPECT_THROW(round_stochastically(1, 0x1p-90, binary16, refuse), std::logic_error);
 }
 TEST(Format, ChecksOfRoundingCanFail) {
     auto const all = numbers(binary16);
@@ -359,7 +359,7 @@ double twice(char op, double a, double b) {
 template <Format F>
 double biased(char op, double a, double b) {
     auto const draw = [] { return std::min(2 * StochasticStream::uniform(), 1 - 0x1p-53); };
-    return round_stochastically<F>(operate<double>(op, a, b), 0, draw);
+    return round_stochastically(operate<double>(op, a, b), 0, F, draw);
 }
 TEST(Chopped, ChecksOfOperationsCanFail) {
     auto const few = numbers(small), all = with_signs_and_specials({few.begin(), few.end() - 1});

@@ -28,7 +28,7 @@ TEST(Stochastic, MeansAreExact) {
     }));
     auto const drawing = [](auto draw) {
         return [draw](double x, Seed& seed) {
-            return round_stochastically<binary16>(1 + x, 0, [&] { return draw(seed); });
+            return round_stochastically(1 + x, 0, binary16, [&] { return draw(seed); });
         };
     };
     EXPECT_TRUE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return seed.uniform(); })));

@@ -31,7 +31,9 @@ while(TRUE)
   if(path MATCHES "\\.hpp$")    # a template: all of it is compiled only where it is instantiated
     string(REGEX MATCH "class ([A-Za-z]+)" class "${code}")
     string(APPEND code
-        "\n\ntemplate class rlslab::${CMAKE_MATCH_1}<double>;\ntemplate class rlslab::${CMAKE_MATCH_1}<float, 3>;")
+        "\n\ntemplate class rlslab::${CMAKE_MATCH_1}<double>;\ntemplate class rlslab::${CMAKE_MATCH_1}<float, 3>;"
+        "\n#include <rlslab/catalogue/erase.hpp>    // what the catalogue needs of it\n"
+        "auto const entry = rlslab::entry_of<rlslab::${CMAKE_MATCH_1}<double>>(nullptr);")
   endif()
   file(WRITE ${WORK_DIR}/${path}.cpp "${code}\n")
   list(APPEND written ${path})

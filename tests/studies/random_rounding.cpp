@@ -65,7 +65,7 @@ TEST(RandomRounding, WithAllBitsItIsStochasticRounding) {
         double const x = std::ldexp(seed.bell(), int(seed.next() % 200) - 100);
         std::uint64_t const draw = seed.next();
         double const few = round_at_random(x, 0, rule, [=] { return draw; });
-        EXPECT_EQ(few, round_stochastically<bfloat16>(x, 0, [=] { return double(draw >> 11) * 0x1p-53; }));
+        EXPECT_EQ(few, round_stochastically(x, 0, bfloat16, [=] { return double(draw >> 11) * 0x1p-53; }));
     }
 }
 TEST(RandomRounding, ANumberOfTheFormatStaysAndDrawsNothing) {

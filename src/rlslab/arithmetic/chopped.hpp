@@ -50,9 +50,9 @@ class Chopped {
     /// `tail` is called only if the rounding needs it.
     template <class Tail>
     static Chopped rounded(double head, Tail&& tail) {
-        if constexpr (R == Rounding::nearest) return {round_to_nearest<F>(head), AlreadyRounded{}};
-        else if constexpr (R == Rounding::toward_zero) return {round_toward_zero<F>(head, tail()), AlreadyRounded{}};
-        else return {round_stochastically<F>(head, tail(), &StochasticStream::uniform), AlreadyRounded{}};
+        if constexpr (R == Rounding::nearest) return {round_to_nearest(head, F), AlreadyRounded{}};
+        else if constexpr (R == Rounding::toward_zero) return {round_toward_zero(head, tail(), F), AlreadyRounded{}};
+        else return {round_stochastically(head, tail(), F, &StochasticStream::uniform), AlreadyRounded{}};
     }
     static double none() { return 0; }
 
@@ -150,7 +150,7 @@ struct ArithmeticTraits<Chopped<F, R>> {
 namespace detail {
 template <Format F>
 struct IsOfFormat {
-    bool operator()(double x) const { return x != x || round_to_nearest<F>(x) == x; }
+    bool operator()(double x) const { return x != x || round_to_nearest(x, F) == x; }
 };
 }  // namespace detail
 template <Format F, Rounding R>

@@ -325,6 +325,14 @@ template <>
 inline int significand_bits<VariableFixedRounded>() {
     return FixedScope::format().fraction + 1;
 }
+template <>
+inline int smallest_exponent<VariableFixed>() {
+    return -significand_bits<VariableFixed>();
+}
+template <>
+inline int smallest_exponent<VariableFixedRounded>() {
+    return -significand_bits<VariableFixedRounded>();
+}
 
 }  // namespace rlslab
 

@@ -59,8 +59,7 @@ constexpr bool fits_in_double(Format f) {
 namespace detail {
 
 /// One unit in the last place of a normal number, as an increment of a double's bits.
-template <Format F>
-inline constexpr std::uint64_t one_ulp = std::uint64_t{1} << (53 - F.digits);
+constexpr std::uint64_t one_ulp(Format f) { return std::uint64_t{1} << (53 - f.digits); }
 
 constexpr bool is_number(double x) {
     return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity());
@@ -78,20 +77,18 @@ constexpr double floor_of(double head, double tail) {
 }
 
 /// x >= 0 truncated to the format's numbers, as if its exponents had no upper bound.
-template <Format F>
-constexpr double truncated(double x) {
-    if (x >= smallest_normal(F)) return from_bits(bits_of(x) & ~(one_ulp<F> - 1));
-    return double(std::int64_t(x * power_of_two(-lowest_exp(F)))) * smallest_subnormal(F);
+constexpr double truncated(double x, Format f) {
+    if (x >= smallest_normal(f)) return from_bits(bits_of(x) & ~(one_ulp(f) - 1));
+    return double(std::int64_t(x * power_of_two(-lowest_exp(f)))) * smallest_subnormal(f);
 }
 /// The next of those numbers after x >= 0.
-template <Format F>
-constexpr double after(double x) {
-    return x >= smallest_normal(F) ? from_bits(bits_of(x) + one_ulp<F>) : x + smallest_subnormal(F);
+constexpr double after(double x, Format f) {
+    return x >= smallest_normal(f) ? from_bits(bits_of(x) + one_ulp(f)) : x + smallest_subnormal(f);
 }
 
 }  // namespace detail
 
-/// x rounded to the nearest number of the format, ties to even; infinity from the largest number plus half an ulp on.
+/// x rounded to the nearest number of the format f, which fits_in_double, ties to even; infinity from the largest number plus half an ulp on.
 ///
 /// It needs no tail: if the result of two p-bit operands is rounded to double and then here, the outcome is that of one
 /// rounding. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the
@@ -99,12 +96,10 @@ constexpr double after(double x) {
 /// midpoints no closer than 2^-(p+1); and a quotient (a root) that is no midpoint differs from all of them by 2^-2p
 /// (2^-(2p+1)) relative, whereas double moves it by at most 2^-53. The same counts hold among subnormals, where
 /// midpoints have fewer bits.
-template <Format F>
-constexpr double round_to_nearest(double x) {
-    static_assert(fits_in_double(F));
+constexpr double round_to_nearest(double x, Format f) {
     using namespace detail;
-    constexpr std::uint64_t first = bits_of(smallest_normal(F)), ulp = one_ulp<F>;
-    constexpr std::uint64_t overflow = bits_of(largest(F)) + ulp / 2;
+    std::uint64_t const first = bits_of(smallest_normal(f)), ulp = one_ulp(f);
+    std::uint64_t const overflow = bits_of(largest(f)) + ulp / 2;
     std::uint64_t const bits = bits_of(x), size = bits & ~sign_bit;
     if (size - first < overflow - first) [[likely]] {
         // Just under half an ulp, or half of one if the last kept bit is odd; a carry moves on to the next binade.
@@ -113,45 +108,42 @@ constexpr double round_to_nearest(double x) {
     }
     if (!is_number(x)) return not_a_number(x);
     if (size >= overflow) return with_sign_of(x, std::numeric_limits<double>::infinity());
-    double const quanta = magnitude(x) * power_of_two(-lowest_exp(F));
+    double const quanta = magnitude(x) * power_of_two(-lowest_exp(f));
     std::int64_t const whole = std::int64_t(quanta);
     double const rest = quanta - double(whole);
     bool const up = rest > 0.5 || (rest == 0.5 && whole % 2 != 0);
-    return with_sign_of(x, double(whole + up) * smallest_subnormal(F));
+    return with_sign_of(x, double(whole + up) * smallest_subnormal(f));
 }
 
 /// head + tail rounded toward zero. head is the double nearest to the exact value, tail has the sign of the exact value
 /// minus head. Finite values beyond the largest number become the largest number.
-template <Format F>
-constexpr double round_toward_zero(double head, double tail = 0) {
-    static_assert(fits_in_double(F));
+constexpr double round_toward_zero(double head, double tail, Format f) {
     using namespace detail;
     if (!is_number(head)) return not_a_number(head);
-    double const below = truncated<F>(floor_of(head, tail));
-    return with_sign_of(head, below > largest(F) ? largest(F) : below);
+    double const below = truncated(floor_of(head, tail), f);
+    return with_sign_of(head, below > largest(f) ? largest(f) : below);
 }
 
-/// head + tail rounded to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to
-/// the outer one and u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact
+/// head + tail rounded to one of its two neighbours: away from zero iff u < phi, where phi is the fraction of the way
+/// to the outer one and u = uniform() in [0, 1) has 53 bits. So the probability is phi to 2^-53, and the mean is the exact
 /// value. A number of the format stays, and draws nothing. The outer neighbour of the largest number is 2^(max_exp+1);
 /// a result of that size or more becomes infinity.
-template <Format F, class Uniform>
-constexpr double round_stochastically(double head, double tail, Uniform&& uniform) {
-    static_assert(fits_in_double(F));
+template <class Uniform>
+constexpr double round_stochastically(double head, double tail, Format f, Uniform&& uniform) {
     using namespace detail;
     if (!is_number(head)) return not_a_number(head);
-    double const size = magnitude(head), below = truncated<F>(floor_of(head, tail));
+    double const size = magnitude(head), below = truncated(floor_of(head, tail), f);
     double chosen = below;
     if (below != size || tail != 0) {
-        // u < f is u gap < (|head| - below) + tail. The left side below is exact: both terms are multiples of gap 2^-53
+        // u < phi is u gap < (|head| - below) + tail. The left side below is exact: both terms are multiples of gap 2^-53
         // and at most gap; or |head| < gap / 2 has finer bits, and then the difference is exact or too large for its
         // rounding, or for the tail, to matter.
-        double const above = after<F>(below), gap = above - below;
+        double const above = after(below, f), gap = above - below;
         bool const up = uniform() * gap - (size - below) < outward(head, tail);
         // Added, because a branch on a random bit would be slow.
         chosen = from_bits(bits_of(below) + up * (bits_of(above) - bits_of(below)));
     }
-    return with_sign_of(head, chosen > largest(F) ? std::numeric_limits<double>::infinity() : chosen);
+    return with_sign_of(head, chosen > largest(f) ? std::numeric_limits<double>::infinity() : chosen);
 }
 
 }  // namespace rlslab

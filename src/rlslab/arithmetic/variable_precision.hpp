@@ -1,34 +1,49 @@
-// Significands of any length up to 53 bits: a double holds p bits, and the exact result of every operation is rounded
-// once to nearest.
+// Formats chosen at run time: a double holds p bits, and the exact result of every operation is rounded once. Exponents
+// are double's, or those of a range that is set with the length; then the rounding is chosen, too.
 #pragma once
 
-#include <rlslab/arithmetic/thread_state.hpp>
-#include <rlslab/arithmetic/format.hpp>
+#include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
-#include <rlslab/core/encoding.hpp>
-#include <rlslab/core/misuse.hpp>
 
 #include <cmath>
 #include <compare>
 
 namespace rlslab {
 
-/// Sets the length to which VariablePrecision rounds in this thread, 2 to 53 bits, until this object is destroyed; then
-/// the previous length applies again. Without any scope it is 53. Throws std::invalid_argument for another number of
-/// bits.
+/// A format, and how operations round to it. Without a range of its own, exponents are double's and rounding is to
+/// nearest.
+struct RunTimeFormat {
+    Format format{53, -1022, 1023};
+    Rounding rounding = Rounding::nearest;
+
+    constexpr bool has_range() const { return format.min_exp != -1022 || format.max_exp != 1023; }
+    /// 2 to 53 bits without a range; with one, what double can emulate (fits_in_double).
+    constexpr bool valid() const {
+        if (has_range()) return fits_in_double(format);
+        return format.digits >= 2 && format.digits <= 53 && rounding == Rounding::nearest;
+    }
+    friend constexpr bool operator==(RunTimeFormat const&, RunTimeFormat const&) = default;
+};
+
+/// Sets the format to which VariablePrecision rounds in this thread until this object is destroyed; then the previous
+/// one applies again. Without any scope it has 53 bits. Stochastic rounding needs a StochasticStream besides. Throws
+/// std::invalid_argument for a format that is not valid().
 class [[nodiscard]] PrecisionScope {
-    static inline constinit thread_local int current_ = 53;
-    int previous_;
+    static inline constinit thread_local RunTimeFormat current_{};
+    RunTimeFormat previous_;
 
 public:
-    explicit PrecisionScope(int bits) : previous_(current_) {
-        expects(bits >= 2 && bits <= 53, "2 to 53 bits of precision");
-        current_ = bits;
+    explicit PrecisionScope(int bits) : PrecisionScope(RunTimeFormat{{bits, -1022, 1023}}) {}
+    explicit PrecisionScope(RunTimeFormat const& format) : previous_(current_) {
+        expects(format.valid(), format.has_range() ? "a format that double can emulate (fits_in_double)"
+                                                   : "2 to 53 bits of precision, rounded to nearest without a range");
+        current_ = format;
     }
     ~PrecisionScope() { current_ = previous_; }
     PrecisionScope(PrecisionScope const&) = delete;
     PrecisionScope& operator=(PrecisionScope const&) = delete;
-    static int bits() { return current_; }
+    static RunTimeFormat const& format() { return current_; }
+    static int bits() { return current_.format.digits; }
 };
 
 /// head + tail rounded to p bits, ties to even. head is the double nearest to the exact value, tail has the sign of the
@@ -44,19 +59,25 @@ inline double round_to_bits(double head, double tail, int p) {
     return from_bits(below + (up ? ulp : 0));
 }
 
-/// A number of any significand length up to 53 bits. Every operation rounds to the length that the thread's current
-/// PrecisionScope sets.
+/// A number of the format that the thread's current PrecisionScope sets when it is made.
 class VariablePrecision {
     double value_ = 0;
     struct AlreadyRounded {};
     VariablePrecision(double x, AlreadyRounded) : value_(x) {}
-    static VariablePrecision rounded(double head, double tail) {
-        return {round_to_bits(head, tail, PrecisionScope::bits()), AlreadyRounded{}};
+
+    /// `rest` has the sign of the exact result minus head, and rest / by is their difference.
+    static VariablePrecision rounded(double head, double rest, double by = 1) {
+        RunTimeFormat const& now = PrecisionScope::format();
+        if (!now.has_range()) [[likely]] return {round_to_bits(head, rest, now.format.digits), AlreadyRounded{}};
+        if (now.rounding == Rounding::nearest) return {round_to_nearest(head, now.format), AlreadyRounded{}};
+        double const tail = rest == 0 ? 0.0 : rest / by;
+        if (now.rounding == Rounding::toward_zero) return {round_toward_zero(head, tail, now.format), AlreadyRounded{}};
+        return {round_stochastically(head, tail, now.format, &StochasticStream::uniform), AlreadyRounded{}};
     }
 
 public:
     VariablePrecision() = default;
-    explicit VariablePrecision(double x) : value_(round_to_bits(x, 0, PrecisionScope::bits())) {}
+    explicit VariablePrecision(double x) : VariablePrecision(rounded(x, 0)) {}
     explicit operator double() const { return value_; }
 
     friend VariablePrecision operator+(VariablePrecision a, VariablePrecision b) {  // Knuth's TwoSum: the tail is exact
@@ -75,7 +96,7 @@ public:
     friend VariablePrecision operator-(VariablePrecision a) { return {-a.value_, AlreadyRounded{}}; }
     friend VariablePrecision sqrt(VariablePrecision a) {
         double const root = std::sqrt(a.value_);
-        return rounded(root, std::fma(-root, root, a.value_));
+        return rounded(root, std::fma(-root, root, a.value_), 2 * root);  // (sqrt(x) - root) (sqrt(x) + root)
     }
     VariablePrecision& operator+=(VariablePrecision b) { return *this = *this + b; }
     VariablePrecision& operator-=(VariablePrecision b) { return *this = *this - b; }
@@ -88,13 +109,23 @@ public:
     friend auto operator<=>(VariablePrecision const&, VariablePrecision const&) = default;
 };
 
+/// The parts have the format; where it rounds at random, each draws as those of a Chopped do.
 template <>
 struct ThreadState<VariablePrecision> {
-    int bits = PrecisionScope::bits();
-    struct Part : PrecisionScope {
-        Part(ThreadState const& state, std::uint64_t) : PrecisionScope(state.bits) {}
+    RunTimeFormat format = PrecisionScope::format();
+    std::uint64_t drawn = format.rounding == Rounding::stochastic ? StochasticStream::current().next() : 0;
+    class Part {
+        PrecisionScope precision_;
+        Seed seed_;
+        StochasticStream stream_;
+
+    public:
+        Part(ThreadState const& state, std::uint64_t part)
+            : precision_(state.format), seed_{Seed{state.drawn + part}.next()}, stream_(seed_) {}
     };
 };
+template <>
+struct UncountedScope<VariablePrecision> : UncountedScope<HalfStochastic> {};
 
 template <>
 struct ArithmeticTraits<VariablePrecision> {
@@ -105,13 +136,21 @@ template <>
 inline int significand_bits<VariablePrecision>() {
     return PrecisionScope::bits();
 }
+template <>
+inline int smallest_exponent<VariablePrecision>() {
+    return PrecisionScope::format().format.min_exp;
+}
+template <>
+inline int largest_exponent<VariablePrecision>() {
+    return PrecisionScope::format().format.max_exp;
+}
 
 namespace detail {
 struct AnyDouble {
     bool operator()(double) const { return true; }
 };
 }  // namespace detail
-/// A number may be longer than the bits of now: it was made before.
+/// A number may be longer than the format of now: it was made before.
 template <>
 struct Encoding<VariablePrecision> : EncodingInDouble<VariablePrecision, detail::AnyDouble> {};
 

@@ -175,6 +175,15 @@ template <class T>
 constexpr int significand_bits() {
     return ArithmeticTraits<T>::digits;
 }
+/// The exponents of the smallest and the largest normal number; for VariablePrecision those of now.
+template <class T>
+constexpr int smallest_exponent() {
+    return ArithmeticTraits<T>::min_exp;
+}
+template <class T>
+constexpr int largest_exponent() {
+    return ArithmeticTraits<T>::max_exp;
+}
 
 /// While an UncountedScope exists, the thread's computations are no part of the algorithm: afterwards the random
 /// stream and the tally of operations are what they were before. A scalar that has such a stream or tally

@@ -73,7 +73,6 @@ template <Scalar T, bool bounds_lengths = false, class LengthSquared, class Pivo
                          0) {  // fixed point: no errors relative to numbers below 1
         return false;
     } else {
-        using Traits = ArithmeticTraits<T>;
         Bound q(1), least(1), most = right;
         Index j = 0;
         if constexpr (requires { n2.two(j); }) {  // two quotients at a time, in two products: any order gives a bound
@@ -98,12 +97,12 @@ template <Scalar T, bool bounds_lengths = false, class LengthSquared, class Pivo
             if constexpr (!std::same_as<Bound, RealOf<T>>) least = select(pivot < least, pivot, least);
             if constexpr (bounds_lengths || !std::same_as<Bound, RealOf<T>>) most = select(most < length, length, most);
         }
-        constexpr int exponent =
-            std::same_as<Bound, RealOf<T>> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
+        int const exponent = std::same_as<Bound, RealOf<T>> ? largest_exponent<T>() - ArithmeticTraits<T>::digits - 20
+                                                            : 2 * largest_exponent<T>() - 20;
         Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
         Truth<T> in_range = (Bound(1) + most) / least < q * limit;
         if constexpr (bounds_lengths) {
-            Bound const largest(std::ldexp(1.0, std::min(Traits::max_exp - 20, 1000)));
+            Bound const largest(std::ldexp(1.0, std::min(largest_exponent<T>() - 20, 1000)));
             in_range = in_range && Bound(1) + most < q * largest;
         }
         return in_range && q <= Bound(2) &&
