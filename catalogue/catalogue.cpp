@@ -58,7 +58,8 @@ CatalogueEntry const* find_entry(std::string_view variant, std::string_view arit
 }
 
 Arithmetic const& arithmetic_named(std::string_view name, std::string_view where) {
-    if (std::vector<CatalogueEntry> const* const own = entries_at_run_time(name, where)) return *own->front().arithmetic;
+    if (std::vector<CatalogueEntry> const* const own = entries_at_run_time(name, where))
+        return *own->front().arithmetic;
     std::vector<std::string_view> names;
     for (Arithmetic const& a : arithmetics()) names.push_back(a.name);
     expect_one_of(names, name, where, "arithmetic");

@@ -85,9 +85,7 @@ class Erased final : public AnyFilter {
 public:
     using scalar = T;
     static constexpr std::string_view name = F::name;
-    static constexpr std::string_view layer = at_run_time                  ? "format"
-                                              : DataRounding<T>::stochastic ? "stream"
-                                                                            : F::name;
+    static constexpr std::string_view layer = at_run_time ? "format" : DataRounding<T>::stochastic ? "stream" : F::name;
     static constexpr int edition = detail::edition_of<F>();
     /// The filter, and where rounding is at random its stream.
     static auto state(auto& e) {

@@ -73,14 +73,13 @@ struct AtRunTime {
     std::vector<CatalogueEntry> entries;  ///< they point to the arithmetic
 };
 void fill(AtRunTime& out, RunTimeFormat const& f) {
-    out.arithmetic = {out.name,
-                      f.format.digits,
-                      f.format.min_exp,
-                      f.format.max_exp,
-                      f.rounding == Rounding::stochastic,
-                      [f](double x) {
-                          return f.has_range() ? round_to_nearest(x, f.format) : round_to_bits(x, 0, f.format.digits);
-                      }};
+    out.arithmetic = {
+        out.name,
+        f.format.digits,
+        f.format.min_exp,
+        f.format.max_exp,
+        f.rounding == Rounding::stochastic,
+        [f](double x) { return f.has_range() ? round_to_nearest(x, f.format) : round_to_bits(x, 0, f.format.digits); }};
     out.entries = variable_precision_catalogue();
     for (CatalogueEntry& entry : out.entries) {
         entry.arithmetic = &out.arithmetic;
@@ -108,9 +107,10 @@ std::vector<CatalogueEntry> const* entries_at_run_time(std::string_view name, st
     if (name.size() < 2 || name[0] != 'p' || !(name[1] == '-' || (name[1] >= '0' && name[1] <= '9'))) return nullptr;
     std::optional<RunTimeFormat> const format = parsed(name);
     if (!format)
-        throw InputError(fmt::format("{}: expected pN, pN:EMIN:EMAX, or that with :stochastic or :toward_zero, found "
-                                     "\"{}\"",
-                                     where, printable(std::string(name))));
+        throw InputError(
+            fmt::format("{}: expected pN, pN:EMIN:EMAX, or that with :stochastic or :toward_zero, found "
+                        "\"{}\"",
+                        where, printable(std::string(name))));
     if (!format->valid())
         throw InputError(fmt::format(
             "{}: double cannot emulate \"{}\": expected pN with N from 2 to 53, or pN:EMIN:EMAX with N to 25, EMIN <= "

@@ -125,7 +125,8 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     std::vector<CatalogueEntry const*> out;
     for (Arithmetic const* const arithmetic : used)
         for (CatalogueEntry const* const entry : entries_in(*arithmetic))
-            if (options.variants.empty() || std::ranges::find(options.variants, entry->variant) != options.variants.end())
+            if (options.variants.empty() ||
+                std::ranges::find(options.variants, entry->variant) != options.variants.end())
                 out.push_back(entry);
     if (out.empty())
         throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");

@@ -30,7 +30,8 @@ std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
         for (Arithmetic const& a : arithmetics()) wanted.push_back(&a);
     for (Arithmetic const* const a : wanted)
         if (std::ranges::any_of(entries_in(*a), [&](CatalogueEntry const* e) {
-                return options.variants.empty() || std::ranges::find(options.variants, e->variant) != options.variants.end();
+                return options.variants.empty() ||
+                       std::ranges::find(options.variants, e->variant) != options.variants.end();
             }))
             out.push_back(a);
     if (any) std::ranges::stable_sort(out, {}, &Arithmetic::digits);

@@ -41,7 +41,8 @@ Records in_order(Records const& records, std::vector<Index> const& rows) {
     return out;
 }
 
-RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem, std::function<double(double)> const& round,
+RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem,
+                               std::function<double(double)> const& round,
                                std::vector<std::vector<Index>> const& orders, int digits,
                                std::function<void()> const& solved) {
     RoundedProblem out{as_stored(problem, round), as_stored(records, round), false, {}};

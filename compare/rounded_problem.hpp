@@ -32,7 +32,8 @@ std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::u
 
 /// `round`: how the arithmetic stores a number. `digits`: to which the exact solutions are certified. `solved` is
 /// called after each order.
-RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem, std::function<double(double)> const& round,
+RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem,
+                               std::function<double(double)> const& round,
                                std::vector<std::vector<Index>> const& orders, int digits,
                                std::function<void()> const& solved = {});
 

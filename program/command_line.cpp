@@ -16,10 +16,11 @@ struct CommandLine {
     CLI::App app{
         "Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
         "rlslab"};
-    std::vector<Command> const commands{compare_command(app),  study_command(app),    merge_command(app),
-                                        identify_command(app), simulate_command(app), excitation_command(app),
-                                        state_command(app),    list_command(app),     cite_command(app),
-                                        help_command(app),     man_command(app),      completion_command(app)};
+    std::vector<Command> const commands{compare_command(app),    sweep_command(app),    study_command(app),
+                                        merge_command(app),      identify_command(app), simulate_command(app),
+                                        excitation_command(app), state_command(app),    list_command(app),
+                                        cite_command(app),       help_command(app),     man_command(app),
+                                        completion_command(app)};
 
     OutputOptions output_options;
     bool version = false, json = false;

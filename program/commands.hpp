@@ -84,6 +84,7 @@ struct Command {
     std::function<int()> run;
 };
 Command compare_command(CLI::App& app);
+Command sweep_command(CLI::App& app);
 Command study_command(CLI::App& app);
 Command merge_command(CLI::App& app);
 Command identify_command(CLI::App& app);

@@ -57,8 +57,9 @@ std::string arithmetics_text(Json& out) {
                                       {"max_exp", s.max_exp},
                                       {"rounding", rounding}});
     }
-    text += "  and pN, N bits with double's exponents, as p11; or pN:EMIN:EMAX with a range, as p8:-126:127, and with\n"
-            "  :stochastic or :toward_zero after it\n";
+    text +=
+        "  and pN, N bits with double's exponents, as p11; or pN:EMIN:EMAX with a range, as p8:-126:127, and with\n"
+        "  :stochastic or :toward_zero after it\n";
     return text;
 }
 

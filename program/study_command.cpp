@@ -1,21 +1,18 @@
 // rlslab study: questions with claims; tables, figures, verdicts, a report. rlslab merge: the same from parts of a run.
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
-#include "report/svg.hpp"
+#include "program/study_options.hpp"
 #include "studies/engine/factors.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/latex.hpp"
-#include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 
-#include <charconv>
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 
 namespace rlslab::program {
@@ -23,12 +20,10 @@ using namespace report;
 using namespace studies;
 namespace {
 
-struct StudyArguments {
+struct StudyArguments : StudyRun {
     std::vector<std::string> names;
-    bool all = false, fresh = false, describe = false;
-    std::string budget = "quick", out = "out", record;
-    Part part;
-    RunOptions options;                // from budget and out
+    bool all = false, describe = false;
+    std::string budget = "quick", record;
     std::vector<std::string> set;      // "kappa=1e2,1e4"
     std::vector<Study const*> chosen;  // from names and all
 };
@@ -36,18 +31,6 @@ struct MergeArguments {
     std::vector<std::string> from;
     std::string out = "out";
 };
-
-/// "2/8"; nothing for what is no part.
-std::optional<Part> part_of(std::string const& text) {
-    Part part;
-    char const *const end = text.data() + text.size(), *const slash = std::find(text.data(), end, '/');
-    auto const number = std::from_chars(text.data(), slash, part.number);
-    if (number.ec != std::errc() || number.ptr != slash || slash == end) return {};
-    auto const of = std::from_chars(slash + 1, end, part.of);
-    if (of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of || part.of > 100000)
-        return {};
-    return part;
-}
 
 std::string listed(std::string_view head, std::vector<std::string> const& lines) {
     std::string out;
@@ -129,25 +112,17 @@ std::string run_of(std::string const& folder) {
 }
 
 int study_part(StudyArguments const& a) {
-    if (a.fresh)
-        throw InputError(
-            "--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
+    check_part(a);
     if (!a.record.empty()) throw InputError("--record: does not go with --part: a part has no verdicts");
     create_folder(a.options.out / ".trials");
     FolderLock const lock(a.options.out, a.part);
-    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
-                             printable(a.out, 200)));
     std::string const before = run_of(a.out), run = run_json(a);
     if (!before.empty() && before != run)
         throw InputError(fmt::format(
             "{}: holds parts of other studies, another budget or seed; expected another --out, or that run finished",
             printable(a.out, 200)));
     replace_file(a.options.out / ".trials" / "run.json", run);
-    Share const share = run_part(a.chosen, a.options, a.part, progress_after_a_second("studying"));
-    tell(
-        fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
-                    "--part (or rlslab merge) makes the tables\n",
-                    a.part.number, a.part.of, share.own, share.all, share.resumed));
+    tell(part_text(a, run_share(a.chosen, a), " (or rlslab merge)"));
     return 0;
 }
 
@@ -156,23 +131,15 @@ int study_whole(StudyArguments const& a) {
     create_folder(a.options.out / "figures");
     create_folder(a.options.out / "tables");
     FolderLock const lock(a.options.out);
-    for (char const* part : {"", ".trials", "figures", "tables"}) remove_leftovers(a.options.out / part);
-    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
-                             printable(a.out, 200)));
+    remove_leftovers(a.options.out / "tables");
+    std::vector<Outcome> const outcomes = run_whole(a.chosen, a);
     std::error_code error;
-    if (a.fresh)
-        for (Study const* study : a.chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
-    std::vector<Outcome> const outcomes = run_studies(a.chosen, a.options, progress_after_a_second("studying"));
     std::filesystem::remove(a.options.out / ".trials" / "run.json", error);  // its parts are in this run now
-    for (Outcome const& outcome : outcomes)
-        for (Figure const& figure : figures(*outcome.study, outcome.table))
-            replace_file(a.options.out / "figures" / (figure.name + ".svg"), svg(figure));
     for (Outcome const& outcome : outcomes)
         replace_file(a.options.out / "tables" / (outcome.study->name + ".tex"), table_tex(outcome, a.options));
     replace_file(a.options.out / "numbers.tex", numbers_tex(outcomes, a.options));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
     replace_file(a.options.out / "verdicts.csv", as_comments(run_of(outcomes, a.options)) + verdicts_csv(outcomes));
-    replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
     std::string text;
     for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour()) + '\n';
     Record const& record = a.options.changed() ? Record{} : recorded(a.options.budget);
@@ -281,34 +248,12 @@ Command study_command(CLI::App& app) {
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("quick|full");
-    define_seed(*studying, st->options.seed, "of all random data; default 1");
-    studying
-        ->add_option("--threads", st->options.threads,
-                     "how many run at once; default: all cores. No byte of a table depends on it")
-        ->check(whole(1, 4096))
-        ->type_name("N");
-    studying->add_option("--out", st->out, "folder for tables, figures and the report; default: out")
-        ->check(named("a folder"))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("DIR");
+    define_run(*studying, *st, "of all random data; default 1");
     studying
         ->add_option("--record", st->record,
                      "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("FILE");
-    studying->add_flag("--fresh", st->fresh, "forget what an earlier run of these studies has finished");
-    studying
-        ->add_option_function<std::string>(
-            "--part", [st](std::string const& text) { st->part = *part_of(text); },
-            "run the trials of part I of N alone: on other machines, into one folder that all see, or into folders for "
-            "rlslab merge")
-        ->check([](std::string const& text) {
-            return part_of(text)
-                       ? ""
-                       : fmt::format("expected I/N with 1 <= I <= N <= 100000, found \"{}\"", printable(text));
-        })
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("I/N");
     return {studying, [st] { return run_study(*st); }};
 }
 

@@ -115,7 +115,7 @@ Cell value_of(Study const& study, std::string const& factor, std::string const& 
 
 }  // namespace
 
-FactorValues factor_values_from(std::string const& text) {
+FactorValues factor_values_from(std::string const& text, std::string_view option) {
     size_t const equals = std::min(text.find('='), text.size());
     FactorValues out{text.substr(0, equals), {}};
     for (size_t from = equals + 1; from <= text.size();) {
@@ -124,7 +124,7 @@ FactorValues factor_values_from(std::string const& text) {
         from = to + 1;
     }
     if (out.name.empty() || out.values.empty() || std::ranges::find(out.values, "") != out.values.end())
-        throw InputError(fmt::format("--set: expected FACTOR=VALUE[,VALUE], found \"{}\"", printable(text)));
+        throw InputError(fmt::format("{}: expected FACTOR=VALUE[,VALUE], found \"{}\"", option, printable(text)));
     return out;
 }
 

@@ -5,8 +5,8 @@
 
 namespace rlslab::studies {
 
-/// "kappa=1e2,1e4" from a command line. Throws InputError for a text of another form.
-FactorValues factor_values_from(std::string const& text);
+/// "kappa=1e2,1e4" from a command line, behind this option. Throws InputError for a text of another form.
+FactorValues factor_values_from(std::string const& text, std::string_view option = "--set");
 
 /// The study's factors at the budget, with the values of options.set and options.seeds. Throws InputError that lists
 /// them for a name that is no factor of the study, and one that says what was expected for a value that a factor

@@ -44,6 +44,7 @@ bool Outcome::holds() const {
 namespace {
 
 std::string command_of(std::string const& names, RunOptions const& options) {
+    if (options.run) return options.run->command;
     std::string const changes = words_of_changes(options);
     return fmt::format("rlslab study {} --budget {} --seed {}{}{}", names, name_of(options.budget), options.seed,
                        changes.empty() ? "" : " ", changes);
@@ -52,6 +53,7 @@ std::string command_of(std::string const& names, RunOptions const& options) {
 }  // namespace
 
 Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    if (options.run) return *options.run;
     std::vector<std::string> words;
     for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
     return {.command = command_of(words.size() == studies().size() ? "--all" : shell_text(words), options)};

@@ -9,6 +9,7 @@
 #include "studies/engine/study.hpp"
 
 #include <filesystem>
+#include <optional>
 
 namespace rlslab::studies {
 
@@ -25,8 +26,9 @@ struct RunOptions {
     int threads = 0;            ///< 0: all cores
     std::filesystem::path out;  ///< the folder of tables, verdicts, figures and the report; created if missing
     std::vector<CatalogueEntry> const* entries = &catalogue();
-    std::vector<FactorValues> set = {};  ///< other values for some factors; claims are then not judged
-    int seeds = 0;                       ///< other than 0: so many replicates, likewise
+    std::vector<FactorValues> set = {};          ///< other values for some factors; claims are then not judged
+    int seeds = 0;                               ///< other than 0: so many replicates, likewise
+    std::optional<report::Provenance> run = {};  ///< of a study that is made at run time; absent: `rlslab study NAME`
     bool changed() const { return !set.empty() || seeds > 0; }
 };
 

@@ -1,4 +1,4 @@
-// VariablePrecision rounds as a format of so many bits does: against float, double, the chopped formats, and exact
+// VariablePrecision rounds as its format does: against float, double, the chopped formats, and exact
 // rationals.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "tests/common/laws.hpp"
@@ -6,6 +6,7 @@
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/core/input_error.hpp>
 #include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>
@@ -120,6 +121,111 @@ TEST(VariablePrecision, VariantsGiveTheBitsOfTheHardware) {
             EXPECT_TRUE(laws::identical(f->stored(), g->stored())) << e.variant << ' ' << bits;
             EXPECT_TRUE(laws::identical(f->theta(), g->theta())) << e.variant << ' ' << bits;
         }
+}
+
+// --- formats with a range, and their roundings -----------------------------------------------------------------------
+
+template <Format F, Rounding R>
+void expect_the_operations_of_chopped() {
+    Seed seed{7}, first{3}, second{3};
+    StochasticStream const common(first);
+    PrecisionScope const precision(RunTimeFormat{F, R});
+    for (int i = 0; i < 20000; ++i) {
+        int const reach = F.max_exp + F.digits;  // also what overflows and what is subnormal
+        auto const drawn = [&] {
+            return round_to_nearest(std::ldexp(seed.bell(), int(seed.uniform() * 2 * reach) - reach), F);
+        };
+        double const x = drawn(), y = i % 5 == 0 ? x : drawn();
+        using One = Chopped<F, R>;
+        using Other = VariablePrecision;
+        auto const same = [&](auto const& operation) {
+            Seed const before = first;
+            double const a = double(operation(One(x), One(y)));
+            second = first;
+            first = before;
+            double const b = double(operation(Other(x), Other(y)));
+            EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b))
+                << x << ' ' << y << ' ' << F.digits << ' ' << int(R);
+            EXPECT_TRUE(first == second);  // as many bits drawn
+        };
+        same([](auto a, auto b) { return a + b; });
+        same([](auto a, auto b) { return a - b; });
+        same([](auto a, auto b) { return a * b; });
+        same([](auto a, auto b) { return a / b; });
+        same([](auto a, auto) { return sqrt(abs(a)); });
+    }
+}
+
+TEST(RunTimeFormat, RoundsAsTheFormatThatIsCompiledIn) {
+    expect_the_operations_of_chopped<binary16, Rounding::nearest>();
+    expect_the_operations_of_chopped<binary16, Rounding::toward_zero>();
+    expect_the_operations_of_chopped<binary16, Rounding::stochastic>();
+    expect_the_operations_of_chopped<bfloat16, Rounding::nearest>();
+    expect_the_operations_of_chopped<bfloat16, Rounding::stochastic>();
+    expect_the_operations_of_chopped<Format{25, -400, 400}, Rounding::nearest>();
+    expect_the_operations_of_chopped<Format{25, -400, 400}, Rounding::toward_zero>();
+    expect_the_operations_of_chopped<Format{25, -400, 400}, Rounding::stochastic>();
+}
+
+TEST(RunTimeFormat, VariantsGiveTheBitsOfTheArithmeticThatIsCompiledIn) {
+    for (auto const& [name, compiled] : {std::pair{"p8:-126:127", "bfloat16"},
+                                         {"p8:-126:127:stochastic", "bfloat16-stochastic"},
+                                         {"p11:-14:15", "binary16"},
+                                         {"p11:-14:15:stochastic", "binary16-stochastic"}})
+        for (CatalogueEntry const* const e : entries_in(arithmetic_named(name, "here"))) {
+            CatalogueEntry const* const other = find_entry(e->variant, compiled);
+            ASSERT_TRUE(other);
+            EXPECT_EQ(e->arithmetic->name, name);
+            EXPECT_EQ(e->arithmetic->stochastic, other->arithmetic->stochastic);
+            Records const records = laws::noise_records(5, 60, Seed{4});  // rounded on the way
+            auto const f = e->make(laws::problem(5, 0.96875), Seed{1}),
+                       g = other->make(laws::problem(5, 0.96875), Seed{1});
+            laws::process_rows(*f, records);
+            laws::process_rows(*g, records);
+            EXPECT_TRUE(laws::identical(f->stored(), g->stored())) << e->variant << ' ' << name;
+            EXPECT_TRUE(laws::identical(f->theta(), g->theta())) << e->variant << ' ' << name;
+        }
+}
+
+TEST(RunTimeFormat, AFilterKeepsTheFormatInWhichItWasMade) {
+    Records const records = laws::noise_records(3, 40, Seed{4});
+    auto const made = [&](char const* name) {
+        return entries_in(arithmetic_named(name, ""))[0]->make(laws::problem(3, 0.96875), Seed{1});
+    };
+    auto const alone = made("p8");
+    laws::process_rows(*alone, records);
+    auto const f = made("p8"), other = made("p20");
+    PrecisionScope const outside(5);
+    for (Index k = 0; k < 40; ++k) {
+        f->update(records.sample(k), records.y[k]);
+        other->update(records.sample(k), records.y[k]);
+    }
+    EXPECT_EQ(PrecisionScope::bits(), 5);
+    EXPECT_TRUE(laws::identical(f->stored(), alone->stored()));
+    EXPECT_FALSE(laws::identical(f->stored(), other->stored()));
+    std::vector<std::byte> const saved = f->saved();
+    auto const loaded = made("p8");
+    loaded->load(saved);
+    EXPECT_TRUE(laws::identical(loaded->stored(), alone->stored()));
+    for (char const* const wrong : {"p9", "p8:-126:127", "p8:-126:127:toward_zero"})
+        EXPECT_THROW(made(wrong)->load(saved), InputError) << wrong;
+}
+
+TEST(RunTimeFormat, ANameThatIsNoneSaysWhatIsOne) {
+    EXPECT_EQ(entries_at_run_time("ud", "--arithmetic"), nullptr);
+    EXPECT_EQ(entries_at_run_time("p", "--arithmetic"), nullptr);
+    EXPECT_EQ(entries_at_run_time("p011", "here")->front().arithmetic->name, "p11");
+    EXPECT_EQ(entries_at_run_time("p11", "here"), entries_at_run_time("p11", "there"));
+    for (char const* const wrong :
+         {"p1", "p54", "p0", "p-3", "p11:", "p11:3", "p11::", "p11:-14:15:", "p11:-14:15:up",
+          "p11:-14:15:stochastic:", "p26:-100:100", "p11:15:-14", "p11:-14:511", "p11:-600:15", "p2147483649",
+          "p11:-14:99999999999", "p11.5", "p53:-1022:1023:stochastic", "p 11"})
+        EXPECT_THROW(
+            {
+                if (!entries_at_run_time(wrong, "--arithmetic")) throw InputError("none");
+            },
+            InputError)
+            << wrong;
 }
 
 }  // namespace

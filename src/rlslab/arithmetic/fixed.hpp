@@ -326,11 +326,11 @@ inline int significand_bits<VariableFixedRounded>() {
     return FixedScope::format().fraction + 1;
 }
 template <>
-inline int smallest_exponent<VariableFixed>() {
+inline int min_exponent<VariableFixed>() {
     return -significand_bits<VariableFixed>();
 }
 template <>
-inline int smallest_exponent<VariableFixedRounded>() {
+inline int min_exponent<VariableFixedRounded>() {
     return -significand_bits<VariableFixedRounded>();
 }
 

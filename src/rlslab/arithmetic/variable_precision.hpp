@@ -68,7 +68,8 @@ class VariablePrecision {
     /// `rest` has the sign of the exact result minus head, and rest / by is their difference.
     static VariablePrecision rounded(double head, double rest, double by = 1) {
         RunTimeFormat const& now = PrecisionScope::format();
-        if (!now.has_range()) [[likely]] return {round_to_bits(head, rest, now.format.digits), AlreadyRounded{}};
+        if (!now.has_range()) [[likely]]
+            return {round_to_bits(head, rest, now.format.digits), AlreadyRounded{}};
         if (now.rounding == Rounding::nearest) return {round_to_nearest(head, now.format), AlreadyRounded{}};
         double const tail = rest == 0 ? 0.0 : rest / by;
         if (now.rounding == Rounding::toward_zero) return {round_toward_zero(head, tail, now.format), AlreadyRounded{}};
@@ -137,11 +138,11 @@ inline int significand_bits<VariablePrecision>() {
     return PrecisionScope::bits();
 }
 template <>
-inline int smallest_exponent<VariablePrecision>() {
+inline int min_exponent<VariablePrecision>() {
     return PrecisionScope::format().format.min_exp;
 }
 template <>
-inline int largest_exponent<VariablePrecision>() {
+inline int max_exponent<VariablePrecision>() {
     return PrecisionScope::format().format.max_exp;
 }
 

@@ -177,11 +177,11 @@ constexpr int significand_bits() {
 }
 /// The exponents of the smallest and the largest normal number; for VariablePrecision those of now.
 template <class T>
-constexpr int smallest_exponent() {
+constexpr int min_exponent() {
     return ArithmeticTraits<T>::min_exp;
 }
 template <class T>
-constexpr int largest_exponent() {
+constexpr int max_exponent() {
     return ArithmeticTraits<T>::max_exp;
 }
 

@@ -97,12 +97,12 @@ template <Scalar T, bool bounds_lengths = false, class LengthSquared, class Pivo
             if constexpr (!std::same_as<Bound, RealOf<T>>) least = select(pivot < least, pivot, least);
             if constexpr (bounds_lengths || !std::same_as<Bound, RealOf<T>>) most = select(most < length, length, most);
         }
-        int const exponent = std::same_as<Bound, RealOf<T>> ? largest_exponent<T>() - ArithmeticTraits<T>::digits - 20
-                                                            : 2 * largest_exponent<T>() - 20;
+        int const exponent = std::same_as<Bound, RealOf<T>> ? max_exponent<T>() - ArithmeticTraits<T>::digits - 20
+                                                            : 2 * max_exponent<T>() - 20;
         Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
         Truth<T> in_range = (Bound(1) + most) / least < q * limit;
         if constexpr (bounds_lengths) {
-            Bound const largest(std::ldexp(1.0, std::min(largest_exponent<T>() - 20, 1000)));
+            Bound const largest(std::ldexp(1.0, std::min(max_exponent<T>() - 20, 1000)));
             in_range = in_range && Bound(1) + most < q * largest;
         }
         return in_range && q <= Bound(2) &&

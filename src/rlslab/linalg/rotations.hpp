@@ -32,7 +32,7 @@ Rotation<T> select(Truth<T> const& truth, Rotation<T> const& a, Rotation<T> cons
 /// every sum above zero passes.
 template <Real T>
 [[gnu::always_inline]] inline T least_sum_of_squares() {
-    return T(std::ldexp(1.0, smallest_exponent<T>() + significand_bits<T>()));
+    return T(std::ldexp(1.0, min_exponent<T>() + significand_bits<T>()));
 }
 
 /// The rotation that makes b zero against a, computed from the quotient of the smaller by the larger, so that no square

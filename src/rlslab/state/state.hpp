@@ -312,8 +312,8 @@ StateHeader state_header(F const& f) {
     static_assert(F::name.size() <= 32 && Traits::name.size() <= 24);
     StateHeader out{.lanes = detail::lanes_of<T>(),
                     .digits = std::uint64_t(significand_bits<T>()),
-                    .min_exp = std::uint32_t(smallest_exponent<T>()),
-                    .max_exp = std::uint32_t(largest_exponent<T>())};
+                    .min_exp = std::uint32_t(min_exponent<T>()),
+                    .max_exp = std::uint32_t(max_exponent<T>())};
     std::string_view const name = detail::variant_of(f);
     std::copy(name.begin(), name.end(), out.variant.begin());
     std::copy(Traits::name.begin(), Traits::name.end(), out.arithmetic.begin());

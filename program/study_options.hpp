@@ -1,0 +1,29 @@
+// The options that every run of trials has, and such a run: whole, or a part of it.
+#pragma once
+
+#include "program/commands.hpp"
+#include "studies/engine/run.hpp"
+
+namespace rlslab::program {
+
+struct StudyRun {
+    bool fresh = false;
+    std::string out = "out";
+    studies::Part part;
+    studies::RunOptions options;
+};
+/// --seed, --threads, --out, --fresh, --part. `run` outlives the command's run.
+void define_run(CLI::App& command, StudyRun& run, char const* seed_help);
+
+/// Throws InputError where another option does not go with --part.
+void check_part(StudyRun const& run);
+/// Runs the trials of run.part; the caller holds the folder's lock.
+studies::Share run_share(std::vector<studies::Study const*> const& chosen, StudyRun const& run);
+/// "part 1 of 4: 12 of 50 trials ..."; `or_merge` follows "the same command without --part".
+std::string part_text(StudyRun const& run, studies::Share const& share, char const* or_merge);
+
+/// Runs all trials that are not finished. Writes tables, figures and report.html into run.options.out, whose lock the
+/// caller holds.
+std::vector<studies::Outcome> run_whole(std::vector<studies::Study const*> const& chosen, StudyRun const& run);
+
+}  // namespace rlslab::program

@@ -1,0 +1,23 @@
+// A study made at run time: the variants on a record, over values of forgetting, prior, arithmetic and model order.
+#pragma once
+
+#include "studies/engine/factors.hpp"
+
+#include <rlslab/core/records.hpp>
+
+namespace rlslab::program {
+
+struct Sweep {
+    std::string record;  ///< what stands for the data in the report: file, hash, model
+    std::vector<studies::FactorValues> vary;
+    int row_orders = 1;                         ///< the record's, and so many more, less one
+    std::function<Records(int order)> records;  ///< of the model of this order; 0: of the one that is given
+};
+
+/// One trial for each combination of order, forgetting, prior, arithmetic and row order; in it every variant, against
+/// the certified solution of the problem as that arithmetic stores it, at compare's checkpoints. Other orders of rows
+/// only where forgetting = 1: elsewhere the order is part of the problem. Reads the records of all orders at once.
+/// Throws InputError for a factor that does not exist or a value that it cannot have.
+studies::Study study_of(Sweep const& sweep, std::uint64_t seed);
+
+}  // namespace rlslab::program

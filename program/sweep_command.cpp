@@ -1,0 +1,93 @@
+// rlslab sweep: the variants on a record, over values of forgetting, prior, arithmetic and model order.
+#include "program/record_options.hpp"
+#include "program/study_options.hpp"
+#include "program/sweep.hpp"
+
+#include <rlslab/core/files.hpp>
+#include <rlslab/core/input_error.hpp>
+#include <rlslab/input/text.hpp>
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rlslab::program {
+using namespace report;
+using namespace studies;
+namespace {
+
+struct SweepArguments : StudyRun {
+    RecordArguments record;
+    std::vector<std::string> vary;  // "forgetting=0.9,1"
+    int row_orders = 1;
+};
+
+Sweep sweep_of(SweepArguments const& a, Provenance& run) {
+    Sweep out{.record = {}, .vary = {}, .row_orders = a.row_orders, .records = {}};
+    bool orders = false;
+    for (std::string const& text : a.vary) {
+        FactorValues const values = factor_values_from(text, "--vary");
+        if (std::ranges::find(out.vary, values.name, &FactorValues::name) != out.vary.end())
+            throw InputError(fmt::format("--vary: factor \"{}\" is there twice", printable(values.name)));
+        orders = orders || values.name == "order";
+        out.vary.push_back(values);
+    }
+    if (orders && (a.record.order || a.record.na >= 0 || a.record.nb >= 0 || !a.record.regressors.empty()))
+        throw InputError("--vary order: does not go with --order, --na, --nb or --regressors");
+    out.records = [&a, &run](int order) {
+        RecordArguments record = a.record;
+        if (order > 0) record.order = order;
+        Question const question = question_of(record);
+        run.file = question.model.file, run.sha256 = question.sha256, run.rows = question.rows;
+        return question.records;
+    };
+    return out;
+}
+
+int run_sweep(SweepArguments& a) {
+    a.options.out = a.out;
+    a.options.budget = Budget::full;
+    if (!a.part.whole()) check_part(a);
+    Provenance run{.command = this_run(false).command};
+    Study study = study_of(sweep_of(a, run), a.options.seed);
+    study.source = fmt::format("{}, {} rows, sha256 {}", run.file, run.rows, run.sha256);
+    a.options.run = run;
+    create_folder(a.options.out / ".trials");
+    if (!a.part.whole()) {
+        FolderLock const lock(a.options.out, a.part);
+        tell(part_text(a, run_share({&study}, a), ""));
+        return 0;
+    }
+    FolderLock const lock(a.options.out);
+    std::vector<Outcome> const outcomes = run_whole({&study}, a);
+    print(fmt::format("{} trials, {} rows: {out}/sweep.csv, figures, and {out}/report.html\n", outcomes[0].trials,
+                      outcomes[0].table.rows().size(), fmt::arg("out", a.out)));
+    return 0;
+}
+
+}  // namespace
+
+Command sweep_command(CLI::App& app) {
+    auto const a = std::make_shared<SweepArguments>();
+    CLI::App* const sweeping = app.add_subcommand(
+        "sweep", "The variants on a record, over forgetting, prior, arithmetic, model order and orders of rows.");
+    sweeping->footer(
+        "Forgetting in two arithmetics:  rlslab sweep data.csv --input u --output y --order 4 --vary "
+        "forgetting=0.9,0.99,1 --vary arithmetic=float,p11 --out sweep\n"
+        "The model's order:              rlslab sweep data.csv --input u --output y --vary order=1,2,4,8\n"
+        "Stopped, and started again by the same command, it goes on where it was.\n\n"
+        "Factors of --vary: variant (default all), arithmetic (float,double), forgetting (1), prior (scaled: to the "
+        "data, as rlslab compare does; or c^2 of P0 = c^2 I), order (of the ARX model, in place of --order). The folder "
+        "gets sweep.csv, a row for each variant and combination, figures, and report.html.\n\n"
+        "Exit code: 0 it ran; 2 it could not.");
+    define_record(*sweeping, a->record);
+    sweeping->add_option("--vary", a->vary, "values of a factor; may be given for several")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false)
+        ->type_name("FACTOR=A,B");
+    define_count(*sweeping, "--row-orders", a->row_orders, 1, 10000,
+                 "so many orders of the rows, the record's first, where forgetting = 1; default 1");
+    define_run(*sweeping, *a, "of stochastic rounding and of the orders of rows; default 1");
+    return {sweeping, [a] { return run_sweep(*a); }};
+}
+
+}  // namespace rlslab::program

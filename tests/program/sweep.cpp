@@ -1,0 +1,94 @@
+// rlslab sweep: the variants on a record, over values of factors; its digits are compare's.
+#include "tests/common/program.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <sstream>
+
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// The cells of the rows below the names of the columns.
+std::vector<std::map<std::string, std::string>> cells_of(std::string const& csv) {
+    std::istringstream lines(without_run(csv));
+    std::vector<std::string> names;
+    std::vector<std::map<std::string, std::string>> out;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream row(line);
+        std::vector<std::string> cells;
+        for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+        if (names.empty()) {
+            names = cells;
+            continue;
+        }
+        out.emplace_back();
+        for (size_t i = 0; i < names.size(); ++i) out.back()[names[i]] = cells.at(i);
+    }
+    return out;
+}
+
+TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
+    std::string const record = "ok.csv --input u --output y --order 1 ";
+    Outcome const swept = shell("rlslab sweep " + record +
+                                "--vary forgetting=0.96875,1 --vary arithmetic=float,p11 --row-orders 3 --out sweep");
+    ASSERT_EQ(swept.code, 0) << swept.err;
+    auto const rows = cells_of(read(folder / "sweep/sweep.csv"));
+    std::map<std::string, int> count;
+    for (auto const& row : rows) ++count[row.at("arithmetic") + ' ' + row.at("forgetting")];
+    // Fifteen dense variants; three orders of rows where forgetting = 1.
+    EXPECT_EQ(count,
+              (std::map<std::string, int>{{"float 0.96875", 15}, {"float 1", 45}, {"p11 0.96875", 15}, {"p11 1", 45}}));
+    json const compared = json::parse(
+        shell("rlslab compare " + record + "--forgetting 0.96875 --arithmetic float,p11 --json --no-timings").out);
+    int checked = 0;
+    for (json const& result : compared.at("results"))
+        for (auto const& row : rows)
+            if (row.at("forgetting") == "0.96875" && row.at("variant") == result.at("variant") &&
+                row.at("arithmetic") == result.at("arithmetic")) {
+                EXPECT_EQ(std::stod(row.at("worst")), result.at("spread").at("worst").at("median").get<double>());
+                EXPECT_EQ(std::stod(row.at("P")), result.at("spread").at("covariance").at("median").get<double>());
+                ++checked;
+            }
+    EXPECT_EQ(checked, 30);
+    EXPECT_THAT(read(folder / "sweep/sweep.csv"), HasSubstr("# command: rlslab sweep ok.csv --input u"));
+    EXPECT_THAT(read(folder / "sweep/report.html"), HasSubstr("sha256"));
+    EXPECT_FALSE(fs::is_empty(folder / "sweep/figures"));
+}
+TEST_F(Program, SweepsInPartsWithTheSameBytes) {
+    std::string const sweep =
+        "rlslab sweep ok.csv --input u --output y --vary order=1,2,3 --vary prior=scaled,1e4 "
+        "--vary variant=ud,qr --vary arithmetic=bfloat16-stochastic ";
+    ASSERT_EQ(shell(sweep + "--out whole --threads 1").code, 0);
+    for (char const* part : {"1/2", "2/2"}) {
+        Outcome const one = shell(sweep + "--out parts --part " + part);
+        EXPECT_EQ(one.code, 0) << one.err;
+        EXPECT_THAT(one.err, HasSubstr("3 of 6 trials"));
+    }
+    ASSERT_EQ(shell(sweep + "--out parts").code, 0);
+    for (char const* file : {"sweep.csv", "report.html"})
+        EXPECT_EQ(read(folder / "whole" / file), read(folder / "parts" / file)) << file;
+    EXPECT_EQ(cells_of(read(folder / "whole/sweep.csv")).size(), 12u);
+}
+TEST_F(Program, RefusesWhatASweepCannotVary) {
+    std::string const sweep = "sweep ok.csv --input u --output y --order 1 --out none ";
+    refused(sweep + "--vary kappa=1", "--vary kappa order forgetting prior arithmetic variant");
+    refused(sweep + "--vary forgetting", "--vary FACTOR=VALUE forgetting");
+    refused(sweep + "--vary forgetting=0", "--vary forgetting 0");
+    refused(sweep + "--vary forgetting=1.5", "--vary forgetting 1.5");
+    refused(sweep + "--vary forgetting=1,1", "--vary forgetting 1 twice");
+    refused(sweep + "--vary prior=-1", "--vary prior scaled -1");
+    refused(sweep + "--vary order=1,2", "--vary order --order");
+    refused(sweep + "--vary arithmetic=flot", "--vary arithmetic flot float");
+    refused(sweep + "--vary arithmetic=p1", "--vary arithmetic p1");
+    refused(sweep + "--vary variant=udd", "--vary variant udd ud");
+    refused(sweep + "--vary forgetting=1 --vary forgetting=0.9", "--vary forgetting twice");
+    refused(sweep + "--fresh --part 1/2", "--fresh --part");
+    EXPECT_FALSE(fs::exists(folder / "none"));
+}
+
+}  // namespace
