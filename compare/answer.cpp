@@ -176,10 +176,11 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     else
         out += fmt::format("rlslab::Problem<{}> const problem{};\n", T, problem) +
                composition_code(composition, type, filter.variant, T, c.size);
-    out += filter.guarded || !composition.guard.empty()
-               ? "// each row: filter.update(psi, y); filter.signal() tells what was met, filter.counts() how often\n"
-               : "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not "
-                 "rlslab::Health::sound\n";
+    out +=
+        filter.guarded || !composition.guard.empty()
+            ? "// each row: filter.update(psi, y); filter.signal() is what the guard saw, filter.counts() how often\n"
+            : "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not "
+              "rlslab::Health::sound\n";
     return out;
 }
 

@@ -183,13 +183,13 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
             fmt::format("Left out, for {} columns: {}. A terminal of {} columns shows them, so do | cat, --out DIR, "
                         "--csv and --json.",
                         columns, layout.left_out(), Layout(0).width()));
-    note(
-        fmt::format("low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along "
-                    "the record{}; {}",
-                    plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
-                    plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
-                          : "for the data as stored, at most the arithmetic's own. A row's end says what the "
-                            "composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
+    note(fmt::format(
+        "low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along "
+        "the record{}; {}",
+        plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
+        plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
+              : "for the data as stored, at most the arithmetic's own. A row ends with what "
+                "the composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
     note(
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "

@@ -45,8 +45,7 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
     names.push_back(options.output);
     for (std::string const& name : names)
         if (std::ranges::count(names, name) > 1)
-            throw InputError(
-                fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
+            throw InputError(fmt::format("{}: column \"{}\" is named twice", name_of_file(file.path), printable(name)));
     Columns columns = read_data(file, names);
     Record out{.file = printable(file.path, 200), .y = columns[options.output], .lines = std::move(columns.lines)};
     out.sha256 = columns.sha256;

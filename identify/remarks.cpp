@@ -222,7 +222,7 @@ Remark remark_on(PastInput const& p, Model m) {
 Remark remark_on_delay(int input, int idle, Model m) {
     std::string const option = delay_option(m.options, input, m.options.delay[size_t(input)] + idle);
     return {Rank::delay,
-            fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: {}",
+            fmt::format("0 is possible for the first {} of {}: the delay may be longer: {}",
                         idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle),
                         printable(m.options.inputs[size_t(input)]), option),
             option, true};

@@ -29,7 +29,7 @@ struct CommandLine {
         app.add_flag("--version", version,
                      "the version of rlslab; with --json also revision, compiler, instruction set");
         app.add_flag("--json", json, "with --version: as JSON");
-        app.footer("rlslab help COMMAND tells more about one of them, man rlslab all of it.");
+        app.footer("rlslab help COMMAND has more about one of them, man rlslab all of it.");
         app.require_subcommand(0, 1);  // a file may be called "list"
         app.formatter_fn(
             [](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
@@ -178,7 +178,7 @@ std::function<int()> parse(std::vector<std::string> words) {
                 set_output_options(line->output_options);
                 return run();
             };
-    throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", fmt::join(line->names(), ", ")));
+    throw InputError(fmt::format("expected a command: {} (rlslab --help has more)", fmt::join(line->names(), ", ")));
 }
 
 }  // namespace rlslab::program

@@ -110,6 +110,7 @@ int run_simulate(SimulateArguments const& s) {
             fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows "
                         "nothing, found {}",
                         s.samples, s.delay));
+    if (!s.noise_colour.empty() && s.noise == 0) throw InputError("--noise-colour: expected --noise, too");
     DifferenceEquation model;
     if (!s.a.empty()) model.a = numbers_of("--a", s.a);
     model.b = {numbers_of("--b", s.b)};

@@ -97,7 +97,7 @@ std::string studies_text(Json& out, std::vector<std::string> const& words) {
     }
     if (out["studies"].empty())
         throw InputError(
-            fmt::format("list studies: none says \"{}\" of itself; expected a paper (Bierman 1977) or a "
+            fmt::format("list studies: none has \"{}\" in its text; expected a paper (Bierman 1977) or a "
                         "subject (gain, forgetting)",
                         printable(fmt::format("{}", fmt::join(words, " ")))));
     return text;
@@ -134,9 +134,9 @@ Command list_command(CLI::App& app) {
         "Example:          rlslab list variants --json\n"
         "By paper:         rlslab list studies Bierman 1977\n"
         "By subject:       rlslab list studies forgetting\n\n"
-        "Studies are found by what they say of themselves: name, subject, question, source, data, result and claims. "
-        "All words have to be there.\n\n"
-        "Exit code: 0; 2 no study says these words.");
+        "Studies are found by their text: name, subject, question, source, data, result and claims. All words have to "
+        "be there.\n\n"
+        "Exit code: 0; 2 no study has these words.");
     listing->add_option("PART", *part, "variants, arithmetics, rounding or studies; default: all")->type_name("");
     listing->add_option("WORD", *words, "behind studies: those about all these words, such as an author and a year")
         ->type_name("");

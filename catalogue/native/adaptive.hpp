@@ -188,9 +188,7 @@ struct AnyAdaptive<T>::Around final : Interface {
     explicit Around(F const& filter)
         : f(filter), theta_(views_theta ? 0 : f.theta().size()), gain_(views_gain ? 0 : f.theta().size()) {}
 
-    [[noreturn]] static void cannot() {
-        throw std::logic_error("asked of a filter that cannot do it: " + std::string(F::name));
-    }
+    [[noreturn]] static void cannot() { throw std::logic_error("no such operation: " + std::string(F::name)); }
 
     std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
     bool assign(Interface const& other) override {

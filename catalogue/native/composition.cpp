@@ -79,11 +79,11 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     if (is_its_own_rule(c, variant)) return "";
     if (!a.form) return "shows no state that could be discounted, reset or relieved of a row";
     if (c.window > 0 && !a.downdates) return "takes no row back";
-    if (c.policy().hands_over() && !can.relays) return "does not tell how near to singular its P is";
+    if (c.policy().hands_over() && !can.relays) return "has no number for how near to singular its P is";
     if (ruled && std::ranges::count(can.rules, c.control) == 0)
         return !a.inflates      ? "takes no P + c a a': its square root of P is no triangle"
                : !a.information ? "has psi'P^-1 psi not at hand: it stores P, or no triangle"
-                                : "cannot do what the rule asks of a variant";
+                                : "lacks an operation that the rule needs";
     if (!c.guard.empty() && !a.guardable) return "cannot be restarted by a guard";
     return "";
 }

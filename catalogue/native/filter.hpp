@@ -2,6 +2,8 @@
 // Needs headers and Eigen where it is compiled, and neither where it is used.
 #pragma once
 
+#include <rlslab/core/cpp20.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -90,7 +90,7 @@ std::vector<Cell> Table::distinct(std::string_view column) const {
 
 double Table::number(std::string_view column) const {
     if (rows_.size() != 1)
-        throw std::logic_error(fmt::format("{} rows where one was asked for its {}", rows_.size(), column));
+        throw std::logic_error(fmt::format("expected one row for its {1}, found {0}", rows_.size(), column));
     return numbers(column).front();
 }
 

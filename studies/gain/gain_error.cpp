@@ -57,7 +57,7 @@ Study const gain_error{
         "At every step the vector that plays the gain in the update of P is wrong by a random relative error of size "
         "epsilon: K where P is stored, v = S f in Potter's form, the running gain in the sweeps. All pass it on in "
         "first order but Joseph's forms, which pass it on in second. The forms that propagate a factor are no "
-        "exception: what they keep is definiteness (study gain_error_definiteness), not P. They see nothing of an "
+        "exception: they keep definiteness (study gain_error_definiteness), not P. They see nothing of an "
         "error only in the K that they report and do not use. In float and double the lines end on the floor of each "
         "arithmetic's own rounding, and there Joseph's form has no advantage. With forgetting the conventional form's "
         "asymmetry grows as lambda^-k on top (study gain_error_memory), and without it as the number of steps (study "

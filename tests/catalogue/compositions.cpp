@@ -171,6 +171,19 @@ TEST(Compositions, RefuseNumbersThatTheArithmeticCannotHold) {
     EXPECT_NE(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "double", problem), nullptr);
     EXPECT_EQ(composed({.window = 9}, "ud", "quad", problem), nullptr);
 }
+TEST(Compositions, RefuseOptionsThatAreNone) {
+    Problem<double> const problem{.size = d};
+    for (Composition const& c : {Composition{.control = "random_walk"},
+                                 {.control = "random_walk", .parameters = {1, 2}},
+                                 {.parameters = {1}},
+                                 {.window = -1},
+                                 {.guard = "resett"}})
+        for (char const* variant : {"ud", "kalman"})
+            EXPECT_THROW(composed(c, variant, "double", problem), std::invalid_argument) << c.control << variant;
+    EXPECT_THROW(composed({.control = "kulhavy", .parameters = {0.98}}, "ud", "double", problem),
+                 std::invalid_argument);
+    EXPECT_EQ(composed({.control = "resett"}, "ud", "double", problem), nullptr);
+}
 // --- the lists -------------------------------------------------------------------------------------------------------
 
 template <class Rule>

@@ -74,6 +74,21 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
         }
 }
 
+/// Those that reach no other header of ours first, and one that reaches most.
+TEST(Options, OfAnOlderLanguageGetOneMessage) {
+    files::Folder const folder;
+    for (std::string const header : {"core/scalar.hpp", "core/random.hpp", "input/bytes.hpp", "model/lags.hpp",
+                                     "catalogue/native/filter.hpp", "rlslab.hpp"}) {
+        std::string const app = folder.file("#include <rlslab/" + header + ">\n", "app.cpp");
+        for (std::string const& compiler : compilers())
+            for (char const* language : {"11", "17"}) {
+                std::string const text =
+                    shell(compiler + " " RLSLAB_HEADER_FLAGS " -fsyntax-only -std=c++" + language + " " + app).text;
+                EXPECT_THAT(text.substr(0, text.find("error:") + 80), HasSubstr("rlslab needs C++20"))
+                    << compiler << " " << header << " " << language;
+            }
+    }
+}
 /// clang++ has no macro for this part of -ffast-math: the program tells when it runs.
 TEST(Rounding, TellsOfReciprocals) {
     if (!there_is("clang++")) GTEST_SKIP() << "needs clang++";

@@ -272,7 +272,7 @@ TEST(Cancellations, OfComplexRootsAreJudgedInTwoDimensions) {
     double const at = 1 - std::exp(-q / 2);  // the confidence at which q is the quantile
     EXPECT_TRUE(cancellations(model, terms, e, at - 1e-5).empty());
     auto const found = cancellations(model, terms, e, at + 1e-5);
-    ASSERT_EQ(found.size(), 1u) << "a pair is told of once";
+    ASSERT_EQ(found.size(), 1u) << "a pair has one remark";
     EXPECT_NEAR(found[0].sd, std::sqrt(S(0, 0) + S(1, 1)), 1e-8);
     EXPECT_NEAR(found[0].distance, std::abs(delta), 1e-14);
     EXPECT_GT(found[0].pole.imag(), 0);

@@ -20,6 +20,7 @@ TEST_F(Simulate, RefusesADelayBeyondTheRecord) {
     EXPECT_EQ(shell("rlslab simulate --samples 100 --delay 99").code, 0);
 }
 TEST_F(Simulate, RefusesAnOutputThatDoesNotChange) {
+    refused("simulate --noise-colour -0.5", "--noise-colour --noise");
     refused("simulate --b 0", "--b 0");
     refused("simulate --samples 3", "--samples");
     refused("simulate --b 0,0 --a=-0.5", "--b 0");

@@ -98,7 +98,7 @@ TEST_F(Program, FindsStudiesByPaperAndSubject) {
     EXPECT_THAT(found("Bierman 1977"), Not(testing::Contains("nist")));
     EXPECT_THAT(found("forgetting"), testing::IsSupersetOf({"steady_state", "sqrt_lambda_bias"}));
     EXPECT_EQ(found("").size(), json::parse(shell("rlslab list --json").out).at("studies").size());
-    refused("list studies nobody 1999", "list studies: none says \"nobody 1999\" of itself");
+    refused("list studies nobody 1999", "list studies: none has \"nobody 1999\" in its text");
     refused("list variants ud", "\"ud\" is one word too many");
 }
 

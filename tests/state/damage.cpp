@@ -143,7 +143,7 @@ TEST(State, IsRefusedInOneLine) {
                 Names("x.state guard on_outlier skip report"));
     EXPECT_THAT(around(Forgetting<F, Kulhavy<float>>({.size = 3})), Names("x.state guard kulhavy ud"));
     folder.file("a,b\n1,2\n", "x.state");
-    EXPECT_THAT(message(), Names("x.state ud float 5 8"));
+    EXPECT_THAT(message(), Names("x.state ud float 5"));
     std::filesystem::remove(path);
     EXPECT_THAT(message(), Names("x.state file"));
     std::filesystem::create_directory(path);
@@ -181,6 +181,18 @@ bool whole_after_kills(Save save_to, int kills) {
         }
     }
     return true;
+}
+TEST(State, IsSoughtInTheFirstBytes) {
+    files::Folder const folder;
+    EXPECT_EQ(detail::bytes_of("/dev/zero").size(), StateHeader::magic.size());
+    auto const text = folder.file("not a state, and longer than one's first bytes", "text");
+    EXPECT_EQ(detail::bytes_of(text).size(), StateHeader::magic.size());
+    EXPECT_TRUE(detail::bytes_of(folder.file("", "empty")).empty());
+    Ud<double> const f({.size = 2});
+    auto const path = folder.path / "state";
+    save(f, path, false);
+    EXPECT_EQ(detail::bytes_of(path).size(), state_size(f));
+    EXPECT_THAT([] { described_state({}); }, testing::ThrowsMessage<InputError>(testing::HasSubstr("found nothing")));
 }
 TEST(State, IsOldOrNewAfterAnyKill) {
     EXPECT_TRUE(whole_after_kills([](auto const& f, auto const& path) { save(f, path, false); }, 50));

@@ -1,6 +1,8 @@
 // What a fixed-point word is, how an exact number is put into one, and what is counted when it does not fit.
 #pragma once
 
+#include <rlslab/core/cpp20.hpp>
+
 #include <rlslab/core/misuse.hpp>
 
 #include <algorithm>

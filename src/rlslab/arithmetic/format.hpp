@@ -4,6 +4,8 @@
 // instruction set can change a result.
 #pragma once
 
+#include <rlslab/core/cpp20.hpp>
+
 #include <bit>
 #include <cstdint>
 #include <limits>

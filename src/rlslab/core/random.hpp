@@ -2,6 +2,8 @@
 // give the same bits.
 #pragma once
 
+#include <rlslab/core/cpp20.hpp>
+
 #include <cstdint>
 
 namespace rlslab {

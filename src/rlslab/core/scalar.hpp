@@ -1,10 +1,8 @@
 // The operations that a variant needs of its scalar, and the properties of a scalar that the rest of the library needs.
 #pragma once
 
-#if __cplusplus < 202002L && (!defined(_MSVC_LANG) || _MSVC_LANG < 202002L)
-#error "rlslab needs C++20: compile with -std=c++20"
-#include <a compiler of C++20>  // is not there: the compiler stops here, before a thousand errors that follow
-#endif
+#include <rlslab/core/cpp20.hpp>
+
 // Every operation is rounded once, in the order written. These options allow a compiler to fuse, reorder or drop
 // operations.
 #if (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__FAST_MATH__)

@@ -1,6 +1,8 @@
 // Sources of data: bytes, read once and in order, from a file, standard input, memory, or a decompressor.
 #pragma once
 
+#include <rlslab/core/cpp20.hpp>
+
 #include <rlslab/core/input_error.hpp>
 
 #include <functional>

@@ -1,6 +1,8 @@
 // Lists of regressors in text: "y[k-1],y[k-2],u[k-3]".
 #pragma once
 
+#include <rlslab/core/cpp20.hpp>
+
 #include <rlslab/core/input_error.hpp>
 
 #include <string>

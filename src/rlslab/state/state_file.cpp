@@ -53,10 +53,10 @@ std::string difference(StateFault fault, std::vector<StateEntry> const& found,
 }
 /// A state that cannot be read.
 std::string unreadable(StateFault fault, StateHeader const& header, std::size_t bytes) {
+    if (fault == StateFault::no_state) return bytes == 0 ? "nothing" : "something else";
     if (fault == StateFault::later_version)
         return fmt::format("one of format {}, this program reads formats up to {}", header.version, state_version);
-    return fmt::format("{} bytes that are {}{}", bytes, fault == StateFault::no_state ? "" : "a state ",
-                       name_of(fault));
+    return fmt::format("{} bytes that are a state {}", bytes, name_of(fault));
 }
 
 }  // namespace
@@ -104,7 +104,13 @@ std::vector<std::byte> bytes_of(std::filesystem::path const& path) {
     if (std::error_code none; std::filesystem::is_directory(path, none))
         refuse_state(path, "cannot read: it is a folder");
     std::ifstream file(path, std::ios::binary);
-    std::vector<char> const text{std::istreambuf_iterator<char>(file), {}};
+    std::string text(StateHeader::magic.size(), '\0');
+    file.read(text.data(), std::streamsize(text.size()));
+    text.resize(std::size_t(file.gcount()));
+    // What is no state may be large, or have no end (/dev/zero): it is not read.
+    StateHeader header;
+    if (StateHeader::read(std::as_bytes(std::span(text)), header) != StateFault::no_state)
+        text.append(std::istreambuf_iterator<char>(file), {});
     if (!file.is_open() || file.bad()) refuse_state(path, fmt::format("cannot read: {}", std::strerror(errno)));
     std::vector<std::byte> out(text.size());
     std::transform(text.begin(), text.end(), out.begin(), [](char c) { return std::byte(c); });
