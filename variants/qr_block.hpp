@@ -1,5 +1,4 @@
-// QR by Householder reflections on blocks of rows: batch least squares in the memory of one block. Two such filters
-// merge.
+// QR by Householder reflections on blocks of rows: batch least squares in the memory of one block. Filters merge.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -9,17 +8,20 @@
 namespace rlslab {
 
 /// Propagates the upper triangular R, R'R = P^-1, and z = R theta. A block of B rows, the oldest first, row k weighted
-/// by sqrt(lambda)^(B-1-k), is folded in by one reflection for each column i:
+/// by sqrt(lambda)^(B-1-k), is folded in by one reflection for each column i, eight of them at a time (a panel):
 ///
 ///   (1) [ sqrt(lambda)^B R   sqrt(lambda)^B z ]  ->  [ R  z   ]
 ///       [ psi'               y                ]      [ 0  eta ]
-///   (2) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for on request
-///   (3) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
+///   (2) I - beta_i v_i v_i',  v_i = (R_ii - r, x_i),  r = -+|(R_ii, x_i)|,  beta_i = 1 / (r (r - R_ii)): in the panel
+///   (3) W = X'A,  G = X'X,  X = (x_1 ... x_8),  T by substitution with G,  A -= X T: in the columns A behind it
+///   (4) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for on request
+///   (5) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
 ///
-/// update() processes one row and reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior, and should
-/// if 1/sqrt(P0) is below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou
-/// 2012 (TSQR).
+/// Each sum's order is that of kernels::ReflectPanel. Where squares leave T's range, for complex numbers, in fixed
+/// point and in update(), v_i = (1, x_i / (R_ii - r)), one by one. update() reports as `qr` does: sqrt(gamma) =
+/// prod |c_i|, e = eta / sqrt(gamma). Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3.
+/// Starts without a prior, and should if 1/sqrt(P0) is below u |psi|, which reflections round away.
+/// Sources: Golub 1965; Puglisi 1992; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <RootedScalar T, int N = Dynamic>
 class QrBlock {
     RealOf<T> lambda_, root_lambda_;
@@ -27,18 +29,17 @@ class QrBlock {
     StateVector<RealOf<T>, N> tau_;
     StateMatrix<T, N> L_; ColumnLengths<T, N> lengths_;          // R'
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
-    Matrix<T> A_;                                            // a block, with y as its last column
+    RowBlock<T> A_;                                          // a block, with y as its last column
 
-    /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a
-    /// zero.
+    /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove one.
     Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
     /// Folds A, which stands for `rows` rows, into weight [R z].
     PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows) {
-        lengths_.add_rows(weight, A_);
-        reflect_block_into(weight, L_, z_, A_);
+        lengths_.add_rows(weight, A_.view());
+        reflect_panels_into<T, N>(weight, L_, z_, A_, lengths_.products_in_range());
         rows_ += rows;
         Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
-        Truth<T> const taken = all_finite(z_) && all_finite<T>(A_.col(z_.size()));
+        Truth<T> const taken = all_finite(z_) && all_finite<T>(A_.view().col(z_.size()));
         return health_of<T>(taken, determined(), finite);
     }
 
@@ -47,7 +48,7 @@ public:
     static constexpr std::string_view name = "qr_block";
     static constexpr Family family{Family::wide_qr};
     static constexpr bool starts_without_prior = true;
-    static constexpr Index block = 64;
+    static constexpr Index block = 256;
 
     explicit QrBlock(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),
@@ -57,8 +58,7 @@ public:
         lengths_.start(L_, z_);
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the
-    /// last.
+    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the last row's health.
     PerLane<T, Health> update_block(RowsOf<T> psi, OutputsOf<T> y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
@@ -73,8 +73,8 @@ public:
                 "a part of this problem, no prior");
         if (newer.rows_ > 0) psi_ = newer.psi_;
         A_.resize(d, d + 1);
-        A_ << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
-        fold_in(detail::power(root_lambda_, newer.rows_), newer.rows_);                                  // (3)
+        A_.view() << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
+        fold_in(detail::power(root_lambda_, newer.rows_), newer.rows_);                                  // (5)
     }
 
     Step<T> update(Regressor<T> psi, T y) {

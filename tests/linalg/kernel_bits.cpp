@@ -271,21 +271,98 @@ TYPED_TEST(KernelBits, OfReflectionsAreTheSame) {
     check<T>("SumOfSquares", Part::full, [](O& o) { return SumOfSquares<T>{o.d, o.v[0].data(), &o.sum}; });
     check<T>("Division", Part::full, [](O& o) { return Division<T>{o.d, o.v[0].data(), o.scalar}; });
     check<T>("Reflection", Part::full, [](O& o) {  // columns without padding: as many as there are numbers for
-        return Reflection<T>{o.d, o.d, o.v[0].data(), o.scalar, o.A.data(), o.v[1].data(), &o.sum};
+        return Reflection<T>{o.d, o.d, o.d, o.v[0].data(), o.scalar, o.A.data(), o.v[1].data(), &o.sum};
     });
-    check<T>("Reflections", Part::full, [](O& o) {  // all of them below the same numbers
-        Index const count = std::min<Index>(o.d, 3), no_stride = 0;
-        return Reflections<T>{o.d,        o.d,           count,     o.B.data(),   o.v[0].data(),
-                              o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
-    });
-    check<T>("Reflections of zeros", Part::full,
-             [](O& o) {  // 0 - t in place of -t, or sums that start at 0, make another zero of them
-                 Index const count = std::min<Index>(o.d, 3), no_stride = 0;
-                 for (auto* zeros : {&o.A, &o.v[1], &o.v[2]}) std::ranges::fill(*zeros, -T(0));
-                 for (T& x : o.B) x = std::abs(x);
-                 return Reflections<T>{o.d,        o.d,           count,     o.B.data(),   o.v[0].data(),
-                                       o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
-             });
+}
+
+/// A panel's operands, as ReflectPanel wants them: numbers in range, some columns zeros of either sign, some multiples of
+/// others, R above A, and what is behind A's rows zero.
+template <class T>
+struct PanelOperands {
+    Index rows, columns, ld;
+    std::vector<T, detail::Aligned<T>> A, above, last, V;
+
+    PanelOperands(Index rows_of, Index columns_of, Seed seed)
+        : rows(rows_of), columns(columns_of), ld(column_stride<T, Dynamic>(rows)), A(size_t(ld * columns)),
+          above(size_t(8 * columns)), last(8), V(size_t(8 * padded<T, Dynamic>(rows))) {
+        int const span = sizeof(T) == 8 ? 400 : 16, kind = int(seed.next() % 4);
+        int const scale = kind == 0 ? 0 : int(seed.next() % std::uint64_t(2 * span)) - span;
+        auto const number = [&](int exponent) {
+            auto const chance = seed.next() % 16;
+            if (chance < 2 && kind != 0) return chance == 0 ? T(0) : -T(0);
+            return std::ldexp(T(seed.bell()), exponent - (kind == 3 && chance < 6 ? int(seed.next() % 40) : 0));
+        };
+        for (Index j = 0; j < columns; ++j) {
+            int const exponent = kind < 2 ? scale : int(seed.next() % std::uint64_t(2 * span)) - span;
+            auto const how = kind == 0 ? 9 : seed.next() % 10;
+            for (Index k = 0; k < rows; ++k) {
+                T& a = A[size_t(j * ld + k)];
+                a = how == 0            ? (k % 2 ? T(0) : -T(0))
+                    : how == 1 && j > 0 ? A[size_t((j - 1) * ld + k)]
+                                        : number(exponent);
+            }
+            for (Index q = 0; q < 8; ++q) above[size_t(q * columns + j)] = how == 0 ? -T(0) : number(exponent);
+        }
+        for (T& z : last) z = number(0);
+    }
+    ReflectPanel<T> panel() { return {rows, columns, ld, A.data(), above.data(), columns, last.data(), V.data()}; }
+    /// What is defined afterwards: R, and the columns that are not pivots.
+    std::vector<T> results() const {
+        std::vector<T> out(last.begin(), last.begin() + std::min<Index>(8, columns - 1));
+        for (Index q = 0; q < std::min<Index>(8, columns - 1); ++q)
+            for (Index j = q; j + 1 < columns; ++j) out.push_back(above[size_t(q * columns + j)]);
+        for (Index j = 0; j < columns; ++j)
+            for (Index k = 0; k < rows; ++k) out.push_back(A[size_t(j * ld + k)]);
+        return out;
+    }
+};
+template <class T>
+long panel_difference(Index rows, Index columns, Seed seed, auto run) {
+    PanelOperands<T> plain(rows, columns, seed), other = plain;
+    portable::evaluate<portable::Any<ReflectPanel<T>, T>>(plain.panel());
+    run(other.panel());
+    return difference(plain.results(), other.results());
+}
+TYPED_TEST(KernelBits, OfPanelsAreTheSameAsOfTheTextForOneNumberAtATime) {
+    using T = TypeParam;
+    Seed seed{11};
+    for (int trial = 0; trial < 12500; ++trial) {
+        Index const rows = trial % 4 ? 1 + Index(seed.next() % 40) : 250 + Index(seed.next() % 10),
+                    columns = trial % 4 ? 2 + trial % 33 : 2 + Index(seed.next() % 60);
+        Seed const of{seed.next()};
+        on_each_isa([&] {
+            long const at = panel_difference<T>(rows, columns, of, [](auto const& k) { run_kernel<T, Dynamic>(k); });
+            ASSERT_EQ(at, -1) << rows << " rows, " << columns << " columns on " << name_of(isa);
+        });
+        long const narrow = panel_difference<T>(rows, columns, of,
+                                                [](auto const& k) { portable::evaluate<portable::Packed<T, 16>>(k); });
+        ASSERT_EQ(narrow, -1) << rows << " rows, " << columns << " columns";
+    }
+}
+/// Saboteurs: a product of columns behind the panel in eight lanes, and rows behind the last that are not zero.
+TYPED_TEST(KernelBits, OfPanelsDifferIfSumsGoInAnotherOrderOrReachTooFar) {
+    using T = TypeParam;
+    auto const in_another_order = [](ReflectPanel<T> k) {  // nine columns behind: one by one they go in eight lanes
+        std::vector<T, detail::Aligned<T>> A(k.A, k.A + k.ld * k.columns), above(k.above, k.above + 8 * k.ld_above),
+            last(k.last, k.last + 8);
+        for (Index j = 8; j < k.columns; ++j) {
+            PanelOperands<T> one(k.rows, 9, Seed{1});
+            std::copy_n(A.data(), 8 * k.ld, one.A.data());
+            std::copy_n(A.data() + j * k.ld, k.ld, one.A.data() + 8 * k.ld);
+            for (Index q = 0; q < 8; ++q) {
+                for (Index i = 0; i < 8; ++i) one.above[size_t(q * 9 + i)] = above[size_t(q * k.ld_above + i)];
+                one.last[size_t(q)] = j + 1 < k.columns ? above[size_t(q * k.ld_above + j)] : last[size_t(q)];
+            }
+            portable::evaluate<portable::Packed<T, 16>>(one.panel());
+            std::copy_n(one.A.data() + 8 * k.ld, k.ld, k.A + j * k.ld);
+        }
+    };
+    EXPECT_NE(panel_difference<T>(64, 18, Seed{3}, in_another_order), -1);
+    auto const too_far = [](ReflectPanel<T> const& k) {
+        k.A[k.rows] = T(1);
+        portable::evaluate<portable::Packed<T, 16>>(k);
+    };
+    EXPECT_NE(panel_difference<T>(61, 18, Seed{3}, too_far), -1);
 }
 
 /// Two saboteurs: lanes added from the first to the last, and a product that is not rounded before it is subtracted.

@@ -59,6 +59,10 @@ inline constexpr Wide wide<ThenMultiply<SweepCarlson<double>>>{.from = 128};
 
 template <>
 inline constexpr Wide wide<RotateInRows<double>>{.from = 8};
+template <>
+inline constexpr Wide wide<ReflectPanel<double>>{.from = 1};
+template <>
+inline constexpr Wide wide<SumOfSquares<double>>{.from = 64};
 
 /// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on.
 template <class Pass>
@@ -185,10 +189,16 @@ inline constexpr Index inlined_bytes = never;
 inline constexpr Index inlined_bytes = 256;
 #endif
 
+/// What the tables above count: numbers of a vector, or of a column.
+template <class Kernel>
+[[gnu::always_inline]] inline Index size_of(Kernel const& kernel) {
+    if constexpr (OnColumns<Kernel>) return kernel.rows;
+    else return kernel.d;
+}
 /// Whether the kernel uses registers of 64 bytes on this instruction set.
 template <class Kernel>
 constexpr bool uses_wide_registers(Isa on, Index d) {
-    return on >= Isa::avx512 && !OnColumns<Kernel> && d >= wide<Kernel>.from;
+    return on >= Isa::avx512 && d >= wide<Kernel>.from;
 }
 /// Whether ThenMultiply<Pass> is faster than the pass and a product after it on this instruction set.
 template <class Pass>
@@ -209,8 +219,8 @@ void dispatch(Kernel const& kernel);
         if (kernel.d <= 4)
             return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
 #ifdef __x86_64__
-    if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
-        if (uses_wide_registers<Kernel>(isa, kernel.d))
+    if constexpr (wide<Kernel>.from != never)
+        if (uses_wide_registers<Kernel>(isa, size_of(kernel)))
             return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
     if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif

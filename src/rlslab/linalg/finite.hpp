@@ -173,6 +173,25 @@ class ColumnLengths {
         else return Bound(x) * Bound(x);
     }
 
+    /// |x|^2, a sum in eight lanes.
+    static Bound squared(T const* x, Index n) {
+        if constexpr (Hardware<T> && std::same_as<T, Bound>) {
+            T sum;
+            run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{n, x, &sum});
+            return sum;
+        } else {
+            Bound lane[8];
+            for (Bound& sum : lane) sum = Bound(0);
+            Index k = 0;
+            for (; k + 8 <= n; k += 8)
+                for (Index i = 0; i < 8; ++i) lane[i] += square(x[k + i]);
+            for (Index i = 0; k + i < n; ++i) lane[i] += square(x[k + i]);
+            for (Index half = 4; half >= 1; half /= 2)
+                for (Index i = 0; i < half; ++i) lane[i] += lane[i + half];
+            return lane[0];
+        }
+    }
+
     /// Updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it: one, or two side by side.
     struct Updated {
         Bound* squares;
@@ -287,19 +306,27 @@ public:
     template <class Block>
     void add_rows(RealOf<T> const& weight, Block const& A) {
         Index const d = squares_.size();
-        constexpr Index abreast = Hardware<T> ? 4 : 1;  // columns: one sum's additions wait for one another
-        for (Index j = 0; j <= d; j += abreast) {
-            Bound sum[abreast];
-            T const* column[abreast];
-            for (Index c = 0; c < abreast; ++c) {
-                Index const at = std::min(j + c, d);
-                sum[c] = (at < d ? squares_[at] : right_) * square(T(weight));
-                column[c] = A.col(at).data();
-            }
-            for (Index k = 0; k < A.rows(); ++k)
-                for (Index c = 0; c < abreast; ++c) sum[c] += square(column[c][k]);
-            for (Index c = 0; c < abreast; ++c) (j + c < d ? squares_[j + c] : right_) = sum[c];
+        for (Index j = 0; j <= d; ++j) {
+            Bound& sum = j < d ? squares_[j] : right_;
+            sum = sum * square(T(weight)) + squared(A.col(j).data(), A.rows());
         }
+    }
+    /// After add_rows: whether squares and products of the columns, of R and of A, neither overflow nor lose what counts
+    /// to underflow, for UndividedReflector and kernels::ReflectPanel: with p digits
+    ///
+    ///   2^(min_exp + 3p) < n_j^2 < 2^(max_exp - 8)
+    ///
+    /// Products of columns, of pivots, and their partial sums are below 32 max n_j^2. What a reflection leaves out below
+    /// 2^(min_exp + p), and the underflow of a product, are below u^2 of n_j^2. False for a column that has always been
+    /// zero.
+    Truth<T> products_in_range() const {
+        using Traits = ArithmeticTraits<T>;
+        constexpr int least = Traits::min_exp + 3 * Traits::digits, most = Traits::max_exp - 8;
+        if constexpr (least >= most) return Truth<T>(false);
+        Bound const above(std::ldexp(1.0, std::max(least, -1000))), below(std::ldexp(1.0, std::min(most, 1000)));
+        Truth<T> in_range = above < right_ && right_ < below;
+        for (Index j = 0; j < squares_.size(); ++j) in_range = in_range && above < squares_[j] && squares_[j] < below;
+        return in_range;
     }
     Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
                     StateVector<T, N>& x) {

@@ -336,24 +336,37 @@ struct Division {
     T* v;
     T pivot;
 };
-/// For each of the `columns` columns a of A: t = tau (r + v'a), r -= t, a -= t v. r is the column's entry in the row of
-/// R that is above A: above[0], above[1], ..., but *last for the last column (the right-hand side).
+/// For each of the `columns` columns a of A, ld apart: t = tau (r + v'a), r -= t, a -= t v. r is the column's entry in
+/// the row of R that is above A: above[0], above[1], ..., but *last for the last column (the right-hand side).
 template <class T>
 struct Reflection {
-    Index rows, columns;  // of A
+    Index rows, columns, ld;  // of A
     T const* v;
     T tau;
     T *A, *above, *last;
 };
-/// `count` reflections of the same columns, one after another: v and A have `rows` numbers a column, above has stride
-/// `ld` from one reflection to the next, tau and last have one number of each. Where tau = 0 there is none.
+/// Up to eight reflections H_q = I - beta_q v_q v_q', v_q = (pivot_q, x_q), that make zeros of the first columns x_q of A
+/// below R, all but the last of at most eight, and change the columns behind. Each of them is right of (1) and (2):
+///
+///   (1) r = -+|(R_qq, x_q)|,  pivot = R_qq - r,  beta = -1 / (r pivot);  0, where x_q'x_q = 0 or r^2 is too small
+///   (2) t_j = beta_q (pivot_q R_qj + x_q'a_j),  R_qj -= t_j pivot_q,  a_j -= t_j x_q        for q = 0, 1, ..., j > q
+///
+/// If more than `most` columns are behind the pivots, they follow by products of matrices:
+///
+///   (3) w = V'a_j,  G = V'V,  V = (x_0 ... x_7)
+///   (4) t_q = beta_q (pivot_q R_qj + (w_q - sum_{p<q} t_p G_pq)),  R_qj -= t_q pivot_q      (5) a_j -= sum_q t_q x_q
+///
+/// Sums of (1) and (2) go in eight lanes, those of (3) over the rows from the first, (4) and (5) in the order of the
+/// reflections; each begins with 0. R_qj is above[q ld_above + j], last[q] for the last column. For float and double A's
+/// columns are padded to eight rows with zeros, and V has room for 8 numbers a row. All numbers must be finite, and
+/// neither squares nor products of two columns overflow.
 template <class T>
-struct Reflections {
-    Index rows, columns, count;
-    T const *v, *tau;
+struct ReflectPanel {
+    static constexpr int most = 8;
+    Index rows, columns, ld;  // of A
     T *A, *above;
-    Index ld;
-    T* last;
+    Index ld_above;
+    T *last, *V;
 };
 template <class K>
 concept OnColumns = requires(K k) { k.rows; };

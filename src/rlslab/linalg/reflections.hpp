@@ -17,19 +17,53 @@ T power(T x, Index n) {
         if (n % 2 == 1) out *= x;
     return out;
 }
+/// [R z] times the weight.
+template <Scalar T, int N>
+void weigh(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z) {
+    for (Index i = 0; i < z.size(); ++i) {
+        for (Index j = i; j < z.size(); ++j) L(j, i) *= weight;
+        z[i] *= weight;
+    }
+}
 /// A hint: the next block, where it lies behind this one in memory, is in cache after the reflections. Any address is
 /// allowed.
 inline void prefetch(std::uintptr_t address) { __builtin_prefetch(reinterpret_cast<void const*>(address)); }
 }  // namespace detail
 
+/// A block of rows, stored by columns: for float and double these begin on a cache line and are padded with zeros as a
+/// StateMatrix's are. V is room for a ReflectPanel. Allocates if it was never as large.
+template <Scalar T>
+class RowBlock {
+    Index rows_ = 0, columns_ = 0;
+    StateVector<T> memory_{0};
+
+public:
+    void resize(Index rows, Index columns) {
+        Index const room = Hardware<T> ? 8 * padded<T, Dynamic>(rows) : 0, stride = column_stride<T, Dynamic>(rows),
+                    numbers = stride * columns + room;
+        if (memory_.size() < numbers) memory_ = StateVector<T>(numbers);
+        else if (rows == rows_ && columns == columns_) return;
+        rows_ = rows, columns_ = columns;
+        for (Index j = 0; j < columns; ++j)
+            for (Index k = rows; k < stride; ++k) memory_[j * stride + k] = T(0);
+    }
+    Index stride() const { return column_stride<T, Dynamic>(rows_); }
+    T* V() { return memory_.data() + stride() * columns_; }
+    auto view() {
+        using Stride = Eigen::OuterStride<>;
+        return Eigen::Map<Matrix<T>, 0, Stride>(memory_.data(), rows_, columns_, Stride(stride()));
+    }
+};
+
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B
-/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A has
-/// another shape.
+/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A was never as
+/// large.
 template <Scalar T>
 RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
-                        RealOf<T> const& root, Matrix<T>& A) {
+                        RealOf<T> const& root, RowBlock<T>& block) {
     Index const d = psi.rows();
-    A.resize(y.size(), d + 1);
+    block.resize(y.size(), d + 1);
+    auto A = block.view();
     RealOf<T> weight = RealOf<T>(1);
     // In hardware eight rows at once: they fill a cache line of a column, and columns lie a power of two apart.
     // Elsewhere one by one, as random bits are drawn.
@@ -44,19 +78,31 @@ RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vecto
         weights[0] = weight;
         T const* from = psi.col(first).data();
         T* to = A.data() + first;
-        Index const stride = psi.outerStride(), rows = A.rows();
-        for (Index i = 0; i < d; ++i, ++from, to += rows) {
-            if constexpr (Hardware<T>)
-                if (i % 8 == 0)
-                    for (Index k = 0; k < end - first; ++k)
-                        detail::prefetch(std::uintptr_t(from) + size_t((k + rows) * stride) * sizeof(T));
-            if (end - first == together) {
-#pragma GCC unroll 8
-                for (Index k = 0; k < together; ++k) to[k] = weights[k] * from[k * stride];
-            } else {
-                for (Index k = 0; k < end - first; ++k) to[k] = weights[k] * from[k * stride];
-            }
+        Index const stride = psi.outerStride(), rows = A.rows(), ld = A.outerStride();
+        Index i = 0;
+        if constexpr (Hardware<T>) {
+            for (Index at = 0; at < d; at += 8)
+                for (Index k = 0; k < end - first; ++k)
+                    detail::prefetch(std::uintptr_t(from + at) + size_t((k + rows) * stride) * sizeof(T));
+            constexpr int side = 16 / int(sizeof(T));  // squares of numbers, where there are whole ones
+            typedef T Part __attribute__((vector_size(16)));
+            typedef T PartAnywhere __attribute__((vector_size(16), aligned(alignof(T)), may_alias));
+            for (; end - first == together && i + side <= d; i += side)
+#pragma GCC unroll 4
+                for (Index k = 0; k < together; k += side) {
+                    Part square[side];
+#pragma GCC unroll 4
+                    for (Index r = 0; r < side; ++r)
+                        square[r] =
+                            weights[k + r] * *reinterpret_cast<PartAnywhere const*>(from + (k + r) * stride + i);
+                    kernels::portable::turn_square(square);
+#pragma GCC unroll 4
+                    for (Index r = 0; r < side; ++r)
+                        *reinterpret_cast<PartAnywhere*>(to + (i + r) * ld + k) = square[r];
+                }
         }
+        for (; i < d; ++i)
+            for (Index k = 0; k < end - first; ++k) to[i * ld + k] = weights[k] * from[k * stride + i];
         for (Index k = first; k < end; ++k) A(k, d) = weights[k - first] * y[k];
         weight *= root;
         end = first;
@@ -73,61 +119,72 @@ RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vecto
 /// sqrt(gamma) for B = 1. A column of zeros is skipped.
 /// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
 template <Real T, int N>
-T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Matrix<T>& A) {
+T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z,
+                     std::type_identity_t<Eigen::Ref<Matrix<T>>> A) {
     Index const d = z.size(), rows = A.rows();
-    for (Index i = 0; i < d; ++i) {
-        for (Index j = i; j < d; ++j) L(j, i) *= weight;
-        z[i] *= weight;
-    }
+    detail::weigh(weight, L, z);
     T ratio = T(1);
-    // In hardware eight reflections go over the columns that follow in one pass: these are read and written once for
-    // all of them. A panel is the columns of the eight. Elsewhere all columns are one panel, and what is last in its
-    // rows is z.
-    constexpr Index together = 8;
-    [[maybe_unused]] std::conditional_t<Hardware<T>, T, char> tau[together];
-    for (Index first = 0; first < d; first += together) {
-        Index const next = Hardware<T> ? std::min(first + together, d) : d;
-        for (Index i = first; i < next; ++i) {
-            T* const v = A.col(i).data();
-            T const a = L(i, i);
-            T squares = T(0);
-            run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
-            Reflector<T> const turn(a, norm(a, squares, v, rows));  // (1)
-            if constexpr (Hardware<T>) tau[i - first] = turn.tau;
-            if (all(turn.tau == T(0))) continue;
-            run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
-            L(i, i) = turn.r;
-            ratio *= turn.cosine(a);
-            Index const columns = Hardware<T> ? next - 1 - i : d - i;
-            T* const last = Hardware<T> ? &L(next - 1, i) : &z[i];
-            if (columns > 0)
-                run_kernel<T, Dynamic>(
-                    kernels::Reflection<T>{rows, columns, v, turn.tau, v + rows, L.column(i) + i + 1, last});  // (2)
-        }
-        if constexpr (!Hardware<T>) break;
-        else
-            run_kernel<T, Dynamic>(kernels::Reflections<T>{rows, d + 1 - next, next - first, A.col(first).data(), tau,
-                                                           A.col(next).data(), L.column(first) + next, L.stride(),
-                                                           &z[first]});
+    for (Index i = 0; i < d; ++i) {
+        T* const v = A.col(i).data();
+        T const a = L(i, i);
+        T squares = T(0);
+        run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
+        Reflector<T> const turn(a, norm(a, squares, v, rows));  // (1)
+        if (all(turn.tau == T(0))) continue;
+        run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
+        L(i, i) = turn.r;
+        ratio *= turn.cosine(a);
+        Index const ld = A.outerStride();
+        run_kernel<T, Dynamic>(
+            kernels::Reflection<T>{rows, d - i, ld, v, turn.tau, v + ld, L.column(i) + i + 1, &z[i]});  // (2)
     }
     return ratio;
+}
+
+/// The same R and z but for rounding, eight reflections at a time by products of matrices, as kernels::ReflectPanel
+/// says, where `in_range` (ColumnLengths::products_in_range); elsewhere, and for complex numbers, reflect_block_into. A
+/// is overwritten, its last column by eta. Source: Puglisi 1992 (cited, not read), for V'V in place of T.
+template <Real T, int N>
+void reflect_panels_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block,
+                         Truth<T> const& in_range) {
+    auto A = block.view();
+    if (!any(in_range)) return void(reflect_block_into(weight, L, z, A));
+    if constexpr (!std::same_as<Truth<T>, bool>) {
+        if (!all(in_range)) {  // lanes of either kind
+            StateMatrix<T, N> other_L = L;
+            StateVector<T, N> other_z = z;
+            RowBlock<T> other = block;
+            reflect_block_into(weight, other_L, other_z, other.view());
+            reflect_panels_into(weight, L, z, block, Truth<T>(true));
+            for (Index i = 0; i < z.size(); ++i) {
+                z[i] = select(in_range, z[i], other_z[i]);
+                for (Index j = i; j < z.size(); ++j) L(j, i) = select(in_range, L(j, i), other_L(j, i));
+            }
+            for (Index k = 0; k < A.rows(); ++k)
+                A(k, z.size()) = select(in_range, A(k, z.size()), other.view()(k, z.size()));
+            return;
+        }
+    }
+    Index const d = z.size();
+    detail::weigh(weight, L, z);
+    for (Index i = 0; i < d; i += kernels::ReflectPanel<T>::most)
+        run_kernel<T, Dynamic>(kernels::ReflectPanel<T>{A.rows(), d + 1 - i, A.outerStride(), A.col(i).data(),
+                                                        L.column(i) + i, L.stride(), &z[i], block.V()});
 }
 
 /// The same for complex numbers. A holds psi as it came, and L is R': both are the rows conjugated. z and y are
 /// conjugated for the time that this takes.
 template <RootedScalar T, int N>
     requires ComplexScalar<T>
-RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Matrix<T>& A) {
+RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z,
+                             std::type_identity_t<Eigen::Ref<Matrix<T>>> A) {
     using R = RealOf<T>;
     Index const d = z.size(), rows = A.rows();
     auto const exchange = [&] {
         for (Index i = 0; i < d; ++i) z[i] = conjugate(z[i]);
         for (Index k = 0; k < rows; ++k) A(k, d) = conjugate(A(k, d));
     };
-    for (Index i = 0; i < d; ++i) {
-        for (Index j = i; j < d; ++j) L(j, i) *= weight;
-        z[i] *= weight;
-    }
+    detail::weigh(weight, L, z);
     exchange();
     R ratio = R(1);
     for (Index i = 0; i < d; ++i) {
@@ -147,6 +204,13 @@ RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, Stat
     }
     exchange();
     return ratio;
+}
+
+template <RootedScalar T, int N>
+    requires ComplexScalar<T>
+void reflect_panels_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block,
+                         Truth<T> const&) {
+    reflect_block_into(weight, L, z, block.view());
 }
 
 /// The same for the one row [x' eta], going along the rows of R. x becomes the v_i, tau the tau_i, eta the reflected

@@ -82,4 +82,21 @@ struct Reflector {
     [[gnu::always_inline]] T cosine(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
 };
 
+/// The same reflection as I - beta v v', v = (pivot, x), x not divided, from `squares` = x'x: for numbers whose squares
+/// and products are in range. Where there are no squares, or so few beside a^2 that they are not known to any digit,
+/// there is no reflection: r = a, beta = pivot = 0.
+template <Real T>
+struct UndividedReflector {
+    T r, pivot, beta;
+
+    [[gnu::always_inline]] UndividedReflector(T const& a, T const& squares) {
+        T const sum = a * a + squares;
+        Truth<T> const turns = T(0) < squares && least_sum_of_squares<T>() < sum;
+        T const size = square_root(sum);
+        r = select(turns, select(a < T(0), size, T(-size)), a);
+        pivot = select(turns, T(a - r), T(0));
+        beta = select(turns, T(T(-1) / T(r * pivot)), T(0));
+    }
+};
+
 }  // namespace rlslab

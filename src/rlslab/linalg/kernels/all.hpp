@@ -16,6 +16,8 @@
 
 #include <rlslab/linalg/kernels/reflect.hpp>
 
+#include <rlslab/linalg/kernels/panel.hpp>
+
 /// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes`
 /// bytes.
 template <class K, class T>

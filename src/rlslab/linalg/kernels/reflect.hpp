@@ -92,7 +92,7 @@ template <class P, int C, class T = typename P::scalar>
     T const* read[C];
 #pragma GCC unroll 16
     for (int c = 0; c < C; ++c) {
-        read[c] = a[c] = h.A + (j + c) * h.rows;
+        read[c] = a[c] = h.A + (j + c) * h.ld;
         above[c] = j + c + 1 < h.columns ? h.above + j + c : h.last;
     }
     T t[C];
@@ -126,86 +126,6 @@ template <class P, class T>
         if (j + 2 <= h.columns) reflect_columns<P, 2>(h, j), j += 2;
     if constexpr (P::columns > 1)
         if (j < h.columns) reflect_columns<P, 1>(h, j);
-}
-
-/// One pass over C columns of whole blocks of eight: with `change` a -= t v, with `sum` then s = next'a.
-template <class P, int C, bool change, bool sum, class T = typename P::scalar>
-[[gnu::always_inline]] inline void pass_over(T const* v, T const* next, Index n, T* const (&a)[C], T const (&t)[C],
-                                             T (&s)[4]) {
-    using B = SimdBlock<T, P::width* int(sizeof(T))>;
-    constexpr int registers = 8 / P::width;
-    B lanes[4];
-    T by[C];
-#pragma GCC unroll 16
-    for (int c = 0; c < C; ++c) by[c] = -t[c];
-#pragma GCC unroll 16
-    for (int c = 0; c < 4; ++c) lanes[c].empty_sum();
-    for (Index k = 0; k < n; k += 8)
-#pragma GCC unroll 16
-        for (int r = 0; r < registers; ++r) {
-            typename P::Register x, with;
-            if constexpr (change) x = P::load(v + k + r * P::width);
-            if constexpr (sum) with = P::load(next + k + r * P::width);
-#pragma GCC unroll 16
-            for (int c = 0; c < C; ++c) {
-                T* const at = a[c] + k + r * P::width;
-                typename P::Register y = P::load(at);
-                if constexpr (change) P::store(at, y = y + by[c] * x);
-                if constexpr (sum) lanes[c].v[r] += with * y;
-            }
-        }
-    if constexpr (sum) B::sums(lanes, s);
-}
-
-/// t = tau (above + s), above -= t for the C columns from j on, s = v'a of reflection q.
-template <int C, class T>
-[[gnu::always_inline]] inline void turn_above(Reflections<T> const& h, Index q, Index j, T const (&s)[4], T (&t)[C]) {
-#pragma GCC unroll 16
-    for (int c = 0; c < C; ++c) {
-        T& above = j + c + 1 < h.columns ? h.above[q * h.ld + j + c] : h.last[q];
-        t[c] = h.tau[q] * (above + s[c]);
-        above -= t[c];
-    }
-}
-
-/// `groups` groups of C columns by turns: while the sums of one are added up the next is on its way.
-template <class P, int C, int groups, class T = typename P::scalar>
-[[gnu::always_inline]] inline void reflect_groups(Reflections<T> const& h, Index j) {
-    T* a[groups][C];
-    T t[groups][C], s[4];
-    for (int g = 0; g < groups; ++g)
-        for (int c = 0; c < C; ++c) a[g][c] = h.A + (j + g * C + c) * h.rows, t[g][c] = T(0);
-    for (int g = 0; g < groups; ++g) {
-        pass_over<P, C, false, true>(h.v, h.v, h.rows, a[g], t[g], s);
-        turn_above(h, 0, j + g * C, s, t[g]);
-    }
-    for (Index q = 0; q + 1 < h.count; ++q)
-        for (int g = 0; g < groups; ++g) {
-            pass_over<P, C, true, true>(h.v + q * h.rows, h.v + (q + 1) * h.rows, h.rows, a[g], t[g], s);
-            turn_above(h, q + 1, j + g * C, s, t[g]);
-        }
-    for (int g = 0; g < groups; ++g)
-        pass_over<P, C, true, false>(h.v + (h.count - 1) * h.rows, h.v, h.rows, a[g], t[g], s);
-}
-
-template <class P, class T>
-[[gnu::always_inline]] inline void evaluate(Reflections<T> const& h) {
-    if constexpr (P::width > 1) {
-        bool each = h.rows % 8 == 0;
-        for (Index q = 0; q < h.count; ++q) each = each && h.tau[q] != T(0);
-        if (each) {
-            Index j = 0;
-            for (; j + 8 <= h.columns; j += 8) reflect_groups<P, 4, 2>(h, j);
-            if (j + 4 <= h.columns) reflect_groups<P, 4, 1>(h, j), j += 4;
-            if (j + 2 <= h.columns) reflect_groups<P, 2, 1>(h, j), j += 2;
-            if (j < h.columns) reflect_groups<P, 1, 1>(h, j);
-            return;
-        }
-    }
-    for (Index q = 0; q < h.count; ++q)
-        if (!all(h.tau[q] == T(0)))
-            evaluate<P>(
-                Reflection<T>{h.rows, h.columns, h.v + q * h.rows, h.tau[q], h.A, h.above + q * h.ld, h.last + q});
 }
 
 /// v'v.
