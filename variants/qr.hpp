@@ -14,17 +14,17 @@ namespace rlslab {
 ///   (2) R'u = psi,  e = y - u'z;   x = psi, and for i = 1 ... d, j > i:  u_i = x_i / R_ii,  x_j' -= u_i' R_ij
 ///   (3) s_0 = lambda,  s_i = s_{i-1} + |u_i|^2,   gamma = lambda / s_d
 ///       c_i = sqrt(lambda s_{i-1} / s_i),   g_i = u_i sqrt(lambda / (s_{i-1} s_i))
-///   (4) R_ij = c_i t + g_i x_j' for j >= i, t the old R_ij, x_j as u_i meets it in (2);  z_i and y alike
+///   (4) R_ij = c_i t + g_i x_j' for j >= i, t the old R_ij, x_j as u_i meets it in (2);  (z_i, y) alike
 ///
-/// (2) and (3) change nothing: look() is these, commit() is (4). Where R has a zero on its diagonal, where s_d overflows,
-/// and in fixed point, each rotation is computed from R_ii and what the one before it left of psi, and
+/// look() is (2) and (3), which change nothing, commit() is (4). Where R has a zero on its diagonal, where s_d
+/// overflows, and in fixed point each rotation is computed from R_ii and what the one before it left of psi, and
 ///
 ///   (5) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
 ///
 /// theta (R theta = z) and K (R'R K = psi) are solved for on request, d^2/2 and d^2 multiplications.
 /// Storage d^2 (half used); per update 2 d^2 + O(d) multiplications (1.5 d^2 where float and double take one pass, 2.5
-/// d^2 in (5)), d square roots. Starts without a prior: while R has a zero on its diagonal the innovation is NaN and health
-/// undetermined.
+/// d^2 in (5)), d square roots. Starts without a prior: while R has a zero on its diagonal the innovation is NaN and
+/// health undetermined.
 /// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <RootedScalar T, int N = Dynamic>
 class Qr {

@@ -7,6 +7,7 @@
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 namespace rlslab {
@@ -114,9 +115,12 @@ TEST(QrRows, OfTheKernelsHaveTheBitsOfTheFormulasInFloat) { check_kernels<float>
 template <class T>
 std::vector<T> held(auto const& f, Step<T> const& step, auto const& number_of) {
     std::vector<T> out{step.innovation, step.residual, step.gamma, T(int(step.health))};
-    for (auto const& x : Vector<typename std::remove_cvref_t<decltype(f)>::scalar>(f.theta()))
-        out.push_back(number_of(x));
-    for (auto const& x : f.stored().F.reshaped()) out.push_back(number_of(x));
+    auto const add = [&](auto const& numbers) {
+        for (auto const& x : numbers.reshaped()) out.push_back(number_of(x));
+    };
+    add(Vector<typename std::remove_cvref_t<decltype(f)>::scalar>(f.theta()));
+    auto const stored = f.stored();
+    add(stored.F);
     return out;
 }
 
@@ -168,20 +172,20 @@ TEST(QrRows, ShowEAndSBeforeAnythingChanges) {
     auto const row = [&] { return Vector<double>(Vector<double>::NullaryExpr(d, [&] { return seed.bell(); })); };
     for (int k = 0; k < 60; ++k) f.update(row(), seed.bell());
     Vector<double> const psi = row();
-    auto const before = saved(f);
+    auto const before = state_of(f);
     auto const [e, s] = f.look(psi, 0.75);
-    EXPECT_EQ(before, saved(f));
+    EXPECT_EQ(before, state_of(f));
     EXPECT_NEAR(e, 0.75 - psi.dot(f.theta()), 1e-14);
     EXPECT_NEAR(s, 0.96875 + psi.dot(Vector<double>(f.information().llt().solve(psi))), 1e-13);
     Qr<double> g = f;
     f.look(row(), 1e9);
-    EXPECT_EQ(before, saved(f));
+    EXPECT_EQ(before, state_of(f));
     Step<double> const step = f.update(psi, 0.75);
     EXPECT_EQ(step.innovation, e);
     EXPECT_EQ(step.gamma, 0.96875 / s);
     g.look(row(), -3.0);
     g.commit(g.look(psi, 0.75));
-    EXPECT_EQ(saved(f), saved(g));
+    EXPECT_EQ(state_of(f), state_of(g));
 }
 
 /// Without a prior, behind a pivot of zero, and where s overflows, R has the bits of rotations one after another.
@@ -214,7 +218,7 @@ TEST(QrRows, AreRotatedInOneByOneWhereTheyCannotBeSolvedFor) {
 }
 
 /// R'R after the row is lambda R'R + psi psi' to a few u d, and R theta = z, where rows are as ill-conditioned as the
-/// rounding allows: neither is worse than with rotations one after another by more than a quarter of a digit on average.
+/// rounding allows: neither is worse than with rotations one after another by more than 0.25 digits on average.
 TEST(QrRows, AreAsAccurateAsRotationsOneByOne) {
     using Long = long double;
     Index const d = 16;
