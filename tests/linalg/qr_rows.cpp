@@ -54,7 +54,7 @@ struct Operands {
             within = i % 8 == 0 ? square : within + square;
             g.push_back(block + within);
             if (i % 8 == 7) block += within;
-            T const before = std::sqrt(g[size_t(i)]), after = std::sqrt(g[size_t(i + 1)]);
+            T const before = i == 0 ? r : std::sqrt(g[size_t(i)]), after = std::sqrt(g[size_t(i + 1)]);
             c[size_t(i)] = before / after * r;
             s[size_t(i)] = u[size_t(i)] * r / (before * after);
             x[size_t(i)] = left[size_t(i)];

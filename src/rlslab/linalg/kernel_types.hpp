@@ -278,7 +278,7 @@ struct FoldGentleman {
 ///   g_{i+1} = g_i + u_i^2                                    from *sum to *sum, as PrefixSums does
 ///   c_i = (sqrt(g_i) / sqrt(g_{i+1})) root_lambda,  s_i = u_i root_lambda / (sqrt(g_i) sqrt(g_{i+1}))
 ///   *eta -= u_i z_i
-/// x_i keeps what was left of it when u_i was computed.
+/// sqrt(g_0) is root_lambda. x_i keeps what was left of it when u_i was computed.
 template <class T>
 struct SolveRotations {
     static constexpr bool writes = false;

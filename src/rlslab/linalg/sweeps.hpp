@@ -186,8 +186,8 @@ RealOf<T> solve_rotations(StateMatrix<T, N>& L, StateVector<T, N>& z, RealOf<T> 
         e -= conjugate(u[i]) * z[i];
     }
     sum = prefix_sums(lambda, u, u, before, after);
-    square_roots(before, before);
     square_roots(after, after);
+    for (Index i = 0; i < x.size(); ++i) before[i] = i == 0 ? r : after[i - 1];
     scale(before, after, c);
     scale(u, r, s);
     divide(s, c, s);

@@ -317,7 +317,7 @@ template <class B, class T>
 template <class B, class S>
 [[gnu::always_inline]] inline void solve_rotations(S const& s) {
     using T = typename B::scalar;
-    T sum = *s.sum, eta = *s.eta, root = square_root(sum);
+    T sum = *s.sum, eta = *s.eta, root = s.root_lambda;
     B row = block_of<B>(s.x, 0), u = substituted(s, 0, rows_of<B>(0, s.d).last, row);
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         RowRange const present = rows_of<B>(i0, s.d);
