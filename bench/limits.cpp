@@ -80,8 +80,7 @@ std::vector<Line> lines() {
         out.push_back(
             {fmt::format("`{}` / `conventional`", name), row("update", name), conventional, {16, 24, 32}, {2}});
     out.push_back({"`ud` / `conventional`", row("update", "ud"), conventional, {24, 32, 64, 128}, {1.3, 1.3, 1, .75}});
-    out.push_back({"`qr` / dlib", row("update", "qr"), dlib, {16, 24, 32, 64}, {.6}});
-    out.push_back({"`qr`, rows known in advance / dlib", row("block", "qr"), dlib, {16, 24, 32, 64}, {.4}});
+    out.push_back({"`qr` / dlib", row("update", "qr"), dlib, {16, 24, 32, 64}, {.45}});
     NamesAt const qr_block = batch("batch/qr_block");
     out.push_back({"`qr_block` / GSL's TSQR", qr_block, batch("peer/gsl_tsqr"), columns, {.4, .4, .45, .4, .4}});
     out.push_back(

@@ -237,8 +237,6 @@ void check_rotated() {
                 }
     });
 }
-TEST(RowsAtOnce, LeaveQrTheBitsOfSingleRowsInDouble) { check_rotated<Qr<double>>(); }
-TEST(RowsAtOnce, LeaveQrTheBitsOfSingleRowsInFloat) { check_rotated<Qr<float>>(); }
 TEST(RowsAtOnce, LeaveExtendedQrTheBitsOfSingleRowsInDouble) { check_rotated<ExtendedQr<double>>(); }
 TEST(RowsAtOnce, LeaveExtendedQrTheBitsOfSingleRowsInFloat) { check_rotated<ExtendedQr<float>>(); }
 
@@ -255,13 +253,13 @@ TEST(RowsAtOnce, LeaveTheBitsAtFixedSizesAndInOtherArithmetics) {
         EXPECT_TRUE(same(reported(single, step), reported(at_once, rows_at_once(at_once, psi, y))))
             << d << " parameters";
     };
-    check(std::type_identity<Qr<double, 4>>{}, 4);
-    check(std::type_identity<Qr<float, 8>>{}, 8);
-    check(std::type_identity<Qr<double, 9>>{}, 9);
-    check(std::type_identity<Qr<float, 20>>{}, 20);
+    check(std::type_identity<ExtendedQr<double, 4>>{}, 4);
+    check(std::type_identity<ExtendedQr<float, 8>>{}, 8);
+    check(std::type_identity<ExtendedQr<double, 9>>{}, 9);
+    check(std::type_identity<ExtendedQr<float, 20>>{}, 20);
     check(std::type_identity<ExtendedQr<double, 16>>{}, 16);
     check(std::type_identity<ExtendedQr<float, 3>>{}, 3);
-    check(std::type_identity<Qr<long double>>{}, 20);
+    check(std::type_identity<ExtendedQr<long double>>{}, 20);
     check(std::type_identity<ExtendedQr<Chopped<binary16>>>{}, 20);
 }
 
@@ -273,7 +271,7 @@ TEST(RowsAtOnce, ReportABreakdownInTheMiddleOfABlock) {
         for (Index at = 0; at < count; ++at) {
             Rows<double> rows(d, count, Kind::ordinary, Seed{4});
             rows.psi(at % d, at) = bad, rows.psi((at + 7) % d, at) = bad;
-            Qr<double> single(Problem<double>{.size = d}), at_once = single;
+            ExtendedQr<double> single(Problem<double>{.size = d}), at_once = single;
             Step<double> step{};
             for (Index k = 0; k < count; ++k) step = single.update({rows.psi.col(k).data(), d}, rows.y[k]);
             Step<double> const last = rows_at_once(at_once, rows.psi, rows.y);
@@ -317,7 +315,7 @@ TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
     };
     check_moved(started<Conventional<double>>(20)), check_moved(started<Ud<double>>(20)),
         check_moved(started<InverseQr<double>>(20));
-    check_moved(started<Qr<double>>(20)), check_moved(started<ExtendedQr<double>>(20));
+    check_moved(started<ExtendedQr<double>>(20));
 }
 
 /// Rounding at random draws a number at each operation: another order of operations would draw others.
@@ -336,7 +334,6 @@ TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
         return reported(filter, step);
     };
     EXPECT_EQ(run(std::type_identity<Conventional<T>>{}, 1), run(std::type_identity<Conventional<T>>{}, 12));
-    EXPECT_EQ(run(std::type_identity<Qr<T>>{}, 1), run(std::type_identity<Qr<T>>{}, 12));
     EXPECT_EQ(run(std::type_identity<ExtendedQr<T>>{}, 1), run(std::type_identity<ExtendedQr<T>>{}, 12));
 }
 
@@ -348,9 +345,9 @@ TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
         for (Index k = 0; k < 150; ++k) step = single.update({rows.psi.col(k).data(), 100}, rows.y[k]);
         EXPECT_TRUE(same(reported(single, step), reported(processed, process(processed, rows.psi, rows.y)))) << F::name;
     };
-    check_process(started<Conventional<double>>(100)), check_process(started<Qr<double>>(100));
+    check_process(started<Conventional<double>>(100)), check_process(started<ExtendedQr<double>>(100));
     EXPECT_TRUE(TakesRowsAtOnce<Symmetric<float>> && TakesRowsAtOnce<Ud<float>> && TakesRowsAtOnce<ExtendedQr<float>> &&
-                !TakesRowsAtOnce<QrBlock<double>>);
+                !TakesRowsAtOnce<QrBlock<double>> && !TakesRowsAtOnce<Qr<double>>);
 }
 
 TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
@@ -362,7 +359,6 @@ TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
         EXPECT_TRUE(same(before, reported(filter, {})));
     };
     check(Conventional<double>(Problem<double>{.size = 20}));
-    check(Qr<double>(Problem<double>{.size = 20}));
     check(ExtendedQr<double>(Problem<double>{.size = 20}));
 }
 

@@ -50,6 +50,10 @@ template <class Numbers>
 template <Scalar T>
 using BoundOf = std::conditional_t<detail::fits_double<RealOf<T>>, double, RealOf<T>>;
 
+/// Whether a rounding error is relative to its number also where that is below 1: not in fixed point.
+template <Scalar T>
+inline constexpr bool errors_are_relative = ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits < 0;
+
 /// For R upper triangular with columns of lengths n_j and pivots r_j: true proves that R x = b with |b|^2 <= right, and
 /// R'R K = psi with psi'K <= 1, are solved by substitution without an overflow of T. False proves nothing. n2(j) =
 /// n_j^2 and r2(j) = r_j^2 are called once for each j.
@@ -69,8 +73,7 @@ template <Scalar T, bool bounds_lengths = false, class LengthSquared, class Pivo
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
     if constexpr (!RootedScalar<T>) {  // the rationals are finite
         return true;
-    } else if constexpr (ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits >=
-                         0) {  // fixed point: no errors relative to numbers below 1
+    } else if constexpr (!errors_are_relative<T>) {
         return false;
     } else {
         Bound q(1), least(1), most = right;
@@ -219,6 +222,12 @@ class ColumnLengths {
             return weight * *reinterpret_cast<detail::PairAnywhere const*>(D + j);
         }
     };
+    /// lambda r_j^2, R = L'.
+    struct RootPivots {
+        StateMatrix<T, N> const& L;
+        Bound weight;
+        [[gnu::always_inline]] Bound operator()(Index j) const { return weight * square(L(j, j)); }
+    };
     /// Updates right_ at once.
     Updated update(RealOf<T> const& lambda, T const* psi, T const& y) {
         Bound const weight(lambda);
@@ -285,6 +294,14 @@ public:
         auto const lengths = update(lambda, psi.data(), y);
         if constexpr (Hardware<T>)
             return solved_in_range<T, true>(psi.size(), lengths, Pivots{D.data(), Bound(lambda)}, right_);
+        for (Index j = 0; j < psi.size(); ++j) lengths(j);
+        return false;
+    }
+    /// The same for R = L', which then is determined; `finite` is the second half.
+    bool begin_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L) {
+        auto const lengths = update(lambda, psi.data(), y);
+        if constexpr (Hardware<T>)
+            return solved_in_range<T, true>(psi.size(), lengths, RootPivots{L, Bound(lambda)}, right_);
         for (Index j = 0; j < psi.size(); ++j) lengths(j);
         return false;
     }

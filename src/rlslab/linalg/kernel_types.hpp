@@ -273,6 +273,26 @@ struct FoldGentleman {
     T *L, *x, *z, *eta, *D, *c, *s, *inverse;
     T lambda;
 };
+/// The rotations of a row x into root_lambda L, for real numbers, all of them before L changes:
+///   u_i = x_i (1 / L_ii),  x_j -= u_i L_ji                   for i = 0, 1, ... and j > i
+///   g_{i+1} = g_i + u_i^2                                    from *sum to *sum, as PrefixSums does
+///   c_i = (sqrt(g_i) / sqrt(g_{i+1})) root_lambda,  s_i = u_i root_lambda / (sqrt(g_i) sqrt(g_{i+1}))
+///   *eta -= u_i z_i
+/// sqrt(g_0) is root_lambda. x_i keeps what was left of it when u_i was computed.
+template <class T>
+struct SolveRotations {
+    static constexpr bool writes = false;
+    Index d, ld;
+    T *L, *x, *z, *eta, *c, *s, *u, *sum;  // L and z are read
+    T root_lambda;
+};
+/// SolveRotations, and in the same pass over L
+///   L_ji = c_i t + s_i x_j                                   for j >= i, t the old L_ji; (z_i, *eta) alike
+/// x_j and *eta as u_i meets them. x is overwritten.
+template <class T>
+struct FoldQr : SolveRotations<T> {
+    static constexpr bool writes = true;
+};
 /// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs
 /// (root_lambda L_ji, x_j) for j > i and, s_i conjugated, to (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is
 /// overwritten. L's diagonal is real.

@@ -160,6 +160,88 @@ T fold_gentleman(StateMatrix<T, N>& L, StateVector<T, N>& x, StateVector<T, N>& 
     return T(1) / inverse;
 }
 
+/// The rotations of the row x into [r R  r z], R = L', r^2 = lambda, from u = L^-1 x: with g_0 = lambda and g_i =
+/// g_{i-1} + |u_i|^2, rotation i has the cosine sqrt(g_{i-1} / g_i) and the sine u_i / sqrt(g_i). On x as substitution
+/// leaves it, which is sqrt(g_{i-1} / lambda) times what rotations leave, it is, t the old L_ji,
+///
+///   L_ji = c_i t + s_i' x_j,  x_j -= u_i t,   c_i = r sqrt(g_{i-1} / g_i),  s_i = r u_i / sqrt(g_{i-1} g_i)
+///
+/// Sets c, s and u; x_i becomes what was left of it when u_i was computed, and e what was left of y, the innovation. L
+/// and z stay. Returns g_d = s, the innovation variance, which is not finite where L has a zero on its diagonal or g
+/// overflows. `before` and `after` are workspace.
+template <RootedScalar T, int N>
+RealOf<T> solve_rotations(StateMatrix<T, N>& L, StateVector<T, N>& z, RealOf<T> const& lambda, RealOf<T> const& r,
+                          StateVector<T, N>& x, T& e, StateVector<RealOf<T>, N>& c, StateVector<T, N>& s,
+                          StateVector<T, N>& u, StateVector<RealOf<T>, N>& before, StateVector<RealOf<T>, N>& after) {
+    RealOf<T> sum = lambda;
+    if constexpr (Hardware<T>) {
+        run_kernel<T, N>(kernels::SolveRotations<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &e, c.data(),
+                                                    s.data(), u.data(), &sum, r});
+        return sum;
+    }
+    for (Index i = 0; i < x.size(); ++i) {
+        RealOf<T> const inverse = RealOf<T>(1) / real_part(L(i, i));
+        u[i] = x[i] * inverse;
+        for (Index j = i + 1; j < x.size(); ++j) x[j] -= u[i] * L(j, i);
+        e -= conjugate(u[i]) * z[i];
+    }
+    sum = prefix_sums(lambda, u, u, before, after);
+    square_roots(after, after);
+    for (Index i = 0; i < x.size(); ++i) before[i] = i == 0 ? r : after[i - 1];
+    scale(before, after, c);
+    scale(u, r, s);
+    divide(s, c, s);
+    divide(before, after, c);
+    scale(c, r, c);
+    return sum;
+}
+/// Applies what solve_rotations found to L, z and eta. x: what it left there; row: the row itself, overwritten.
+template <RootedScalar T, int N>
+void sweep_rotations_in(StateMatrix<T, N>& L, StateVector<T, N>& z, T& eta, StateVector<T, N> const& x,
+                        StateVector<T, N>& row, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s,
+                        StateVector<T, N> const& u) {
+    sweep_gentleman(L, c, s, u, row);
+    for (Index i = 0; i < z.size(); ++i) {
+        L(i, i) = T(c[i] * real_part(L(i, i)) + real_part(conjugate(s[i]) * x[i]));
+        T const t = z[i], turned = s[i] * eta;
+        z[i] = c[i] * t + turned;
+        eta -= conjugate(u[i]) * t;
+    }
+}
+/// In the lanes where `solved` what sweep_rotations_in does, and in the others rotate_in; x: the row. Sets eta, and
+/// root_gamma in these others.
+template <RootedScalar T, int N>
+void rotate_or_sweep_in(Truth<T> const& solved, StateMatrix<T, N>& L, StateVector<T, N>& z, T& eta,
+                        StateVector<T, N>& x, RealOf<T> const& r, StateVector<RealOf<T>, N> const& c,
+                        StateVector<T, N> const& s, StateVector<T, N> const& u, RealOf<T>& root_gamma) {
+    for (Index i = 0; i < z.size(); ++i) {
+        Rotation<T> const turn = givens<T>(RealOf<T>(r * real_part(L(i, i))), x[i]);
+        root_gamma *= turn.c;
+        auto const turn_pair = [&](T& above, T& below, Rotation<T> const& g, T const& swept_s, T const& swept_u) {
+            T const t = above, scaled = r * t, up = conjugate(g.s) * below, down = g.s * scaled;
+            T const swept_up = conjugate(swept_s) * below, swept_down = swept_u * t;
+            T const rotated = g.c * scaled + up, swept = c[i] * t + swept_up;
+            above = select(solved, swept, rotated);
+            below = select(solved, T(below - swept_down), T(g.c * below - down));
+        };
+        T pivot = L(i, i), left = x[i];
+        turn_pair(pivot, left, turn, s[i], u[i]);
+        L(i, i) = select(solved, pivot, T(turn.r));
+        for (Index j = i + 1; j < z.size(); ++j) turn_pair(L(j, i), x[j], turn, s[i], u[i]);
+        turn_pair(z[i], eta, of_rows(turn), conjugate(s[i]), conjugate(u[i]));
+    }
+}
+/// solve_rotations and sweep_rotations_in of the row [psi' eta] in one pass over L, with the same bits. Returns g_d.
+/// Only where ColumnLengths::begin_row has proven that it does not overflow. x: psi at first; overwritten.
+template <Hardware T, int N>
+T fold_qr(StateMatrix<T, N>& L, StateVector<T, N>& x, StateVector<T, N>& z, T& eta, StateVector<T, N>& c,
+          StateVector<T, N>& s, StateVector<T, N>& u, T const& lambda, T const& r) {
+    T sum = lambda;
+    run_kernel<T, N>(kernels::FoldQr<T>{
+        {L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), u.data(), &sum, r}});
+    return sum;
+}
+
 /// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d, d - 1, ... 1 and j >= i, x = 0 at first, t the old L_ji:
 /// carries a row out of R = L'. L is zero above its diagonal and stays so.
 template <Real T, int N>

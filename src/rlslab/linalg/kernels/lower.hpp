@@ -240,6 +240,125 @@ template <class B, class T>
     *s.inverse = inverse, *s.eta = eta;
 }
 
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SolveRotations<T> const& s, Index i, B& t, B& x) {
+    x.subtract_product(t, s.u[i]);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void step(FoldQr<T> const& s, Index i, B& t, B& x) {
+    B const old = t;
+    t.scale(s.c[i]);
+    t.add_product(x, s.s[i]);
+    x.subtract_product(old, s.u[i]);
+}
+/// u in the m rows of the corner at i0, from x, to which the rows before it are applied.
+template <int i, class B, class T>
+[[gnu::always_inline]] inline void substitute_in_corner(SolveRotations<T> const& s, Index i0, Index m,
+                                                        T const (&inverse)[B::rows], T (&x)[B::rows], T (&u)[B::rows]) {
+    u[i] = x[i] * inverse[i];
+    if constexpr (i + 1 < B::rows) {
+        if (i + 1 >= m) return;
+        T const* const row = s.L + (i0 + i) * s.ld + i0;
+#pragma GCC unroll 8
+        for (Index j = i + 1; j < B::rows; ++j) x[j] -= u[i] * row[j];
+        substitute_in_corner<i + 1, B>(s, i0, m, inverse, x, u);
+    }
+}
+template <class B, class S>
+[[gnu::always_inline]] inline B substituted(S const& s, Index i0, Index m, B const& row) {
+    using T = typename B::scalar;
+    T x[B::rows], numbers[B::rows], inverse[B::rows];
+    row.store(x);
+#pragma GCC unroll 8
+    for (Index i = 0; i < B::rows; ++i) {
+        numbers[i] = i < m ? s.L[(i0 + i) * (s.ld + 1)] : T(1);
+        inverse[i] = T(1);
+    }
+    B pivots, quotients, u;
+    pivots.put_together(numbers);
+    quotients.put_together(inverse);
+    quotients.divide(pivots);
+    quotients.store(inverse);
+    substitute_in_corner<0, B>(s, i0, m, inverse, x, numbers);
+    u.put_together(numbers);
+    u.store(s.u + i0);
+    if constexpr (!S::writes) {
+        B left;
+        left.put_together(x);
+        left.store(s.x + i0);
+    }
+    return u;
+}
+/// c and s of the corner at i0; `sum` and its root go from one corner to the next.
+template <class B, class T>
+[[gnu::always_inline]] inline void turn_corner(SolveRotations<T> const& s, Index i0, RowRange present, B const& u,
+                                               T& sum, T& root) {
+    B before, after, share = u, turn = u;
+    share.scale(u);
+    share.accumulate(sum, before, after, present);
+    after.square_root_each();
+    T roots[B::rows + 1];  // before_i is the after of the row above it
+    roots[0] = root;
+#pragma GCC unroll 8
+    for (int i = 0; i < B::rows; ++i) roots[i + 1] = after.v[i / B::W][i % B::W];
+    before.put_together(roots);
+    root = roots[B::rows];
+    B c = before;
+    c.divide(after);
+    c.scale(s.root_lambda);
+    c.store(s.c + i0);
+    before.scale(after);
+    turn.scale(s.root_lambda);
+    turn.divide(before);
+    turn.store(s.s + i0);
+}
+/// A corner's substitution is a chain, and so are its roots and quotients after it; the panels are neither. So the next
+/// corner goes ahead of this one's panels: it needs only what u makes of its part of x, which is computed twice.
+template <class B, class S>
+[[gnu::always_inline]] inline void solve_rotations(S const& s) {
+    using T = typename B::scalar;
+    T sum = *s.sum, eta = *s.eta, root = s.root_lambda;
+    B row = block_of<B>(s.x, 0), u = substituted(s, 0, rows_of<B>(0, s.d).last, row);
+    for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
+        RowRange const present = rows_of<B>(i0, s.d);
+        Index const next = i0 + B::rows;
+        B ahead;
+        turn_corner(s, i0, present, u, sum, root);
+        if (B::rows == 8 && next < s.d) {  // a block of four is alone
+            ahead.load(s.x + next);
+            for (Index i = i0; i < next; ++i) ahead.subtract_product(block_of<B>(s.L + i * s.ld, next), s.u[i]);
+            u = substituted(s, next, rows_of<B>(next, s.d).last, ahead);
+        }
+        if constexpr (S::writes)
+#pragma GCC unroll 8
+            for (Index i = 0; i < present.last; ++i) {
+                T* const column = s.L + (i0 + i) * s.ld + i0;
+                B t;
+                t.load(column);
+                step(s, i0 + i, t, row);
+                t.store_present(column, {i, present.last});
+            }
+        for (Index j0 = S::writes ? next : next + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+        for (Index i = i0; i < i0 + present.last; ++i) {
+            T const t = s.z[i], turned = s.s[i] * eta;
+            if constexpr (S::writes) s.z[i] = s.c[i] * t + turned;
+            eta -= s.u[i] * t;
+        }
+        row = ahead;
+    }
+    *s.sum = sum, *s.eta = eta;
+}
+template <class B, class T>
+    requires(B::rows > 1)
+[[gnu::always_inline]] inline void evaluate(SolveRotations<T> const& s) {
+    solve_rotations<B>(s);
+}
+template <class B, class T>
+    requires(B::rows > 1)
+[[gnu::always_inline]] inline void evaluate(FoldQr<T> const& s) {
+    solve_rotations<B>(s);
+}
+
 /// Rows that go out: the columns from the last to the first, a block of x in registers. Above the diagonal zeros are
 /// turned into zeros.
 template <class B, class T>
