@@ -89,6 +89,16 @@ concept GainPerturbable =
         { f.update(psi, y, NoPerturbation{}) } -> std::same_as<Step<typename F::scalar>>;
     };
 
+/// update(psi, y) in two steps. look(psi, y) computes e and s from the state, which it leaves as it is; commit(row)
+/// with what look returned, and with no other call in between, is the rest of the update. A row that was looked at and
+/// is not committed leaves no trace.
+template <class F>
+concept LooksFirst = RecursiveLeastSquares<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y,
+                                                          Innovation<typename F::scalar> row) {
+    { f.look(psi, y) } -> std::same_as<Innovation<typename F::scalar>>;
+    { f.commit(row) } -> std::same_as<Step<typename F::scalar>>;
+};
+
 /// accumulate(psi, y) processes one row without a report, for variants whose report costs more than the row. It leaves
 /// the same state as update(psi, y), bit for bit unless rounding is stochastic. `accumulate` reports no health. If it
 /// breaks the filter down, the next `update` reports that, and theta() is not finite.

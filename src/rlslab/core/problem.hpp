@@ -85,6 +85,13 @@ struct Encoding<Health> {
     }
 };
 
+/// What a row shows before it changes anything.
+template <Scalar T>
+struct Innovation {
+    T e;          ///< y - psi' theta(k-1), in the unit of y
+    RealOf<T> s;  ///< innovation variance lambda + psi' P psi, in units of the noise's
+};
+
 /// What one update reports. While theta is undetermined innovation and residual are NaN and gamma is 0.
 template <Scalar T>
 struct Step {
