@@ -40,17 +40,23 @@ public:
     /// `perturb(g_1 ... g_j, c_j)` changes g after rotation j of (2). Its error reaches P in first order, P stays
     /// definite: docs/theory.md 33, 34.
     template <PerturbsSweep<T> Perturb = NoPerturbation>
-    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) { return commit(look(psi, y), perturb); }
+    Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(S_, psi.data(), a_, next_);                                            // (1)
         divide(a_, by_root_lambda_, a_);
         RealOf<T> const b = prefix_norms(a_, before_, b_);                                               // (2)
+        return {e, lambda_ * (b * b)};
+    }
+    template <PerturbsSweep<T> Perturb = NoPerturbation>
+    Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
+        RealOf<T> const b = b_[b_.size() - 1];
         divide(before_, b_, c_);
         divide(a_, b_, s_);
         sweep_rotations(S_, c_, s_, by_root_lambda_, g_, perturb, next_);
         divide(g_, b, K_);                                                                               // (3)
-        add_scaled(theta_, e, K_);
-        return if_finite(all_finite(theta_) && is_finite(b), step_of(e, RealOf<T>(RealOf<T>(1) / (b * b))));
+        add_scaled(theta_, row.e, K_);
+        return if_finite(all_finite(theta_) && is_finite(b), step_of(row.e, RealOf<T>(RealOf<T>(1) / (b * b))));
     }
 
     auto theta() const { return theta_.view(); }

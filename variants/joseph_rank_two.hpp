@@ -32,10 +32,15 @@ public:
 
     /// `perturb(K)` changes K between (3) and (4). Its error reaches P in second order: docs/theory.md 17.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
-    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) { return commit(look(psi, y), perturb); }
+    Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
-        RealOf<T> const s = lambda_ + real_part(dot(psi, f_));                                           // (2)
+        return {e, lambda_ + real_part(dot(psi, f_))};                                                   // (2)
+    }
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
+    Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
+        auto const [e, s] = row;
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
         RealOf<T> const half = s / RealOf<T>(2);

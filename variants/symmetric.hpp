@@ -26,6 +26,7 @@ public:
     using scalar = T;
     static constexpr std::string_view name = "symmetric";
     static constexpr Family family{Family::symmetric};
+    static constexpr bool mirrored = true;    // a guard need not look at P_ij - P_ji
 
     explicit Symmetric(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
@@ -33,10 +34,15 @@ public:
 
     /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
-    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) { return commit(look(psi, y), perturb); }
+    Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_, next_);                                                             // (1)
-        RealOf<T> const s = lambda_ + real_part(dot(psi, f_));                                           // (2)
+        return {e, lambda_ + real_part(dot(psi, f_))};                                                   // (2)
+    }
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
+    Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
+        auto const [e, s] = row;
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
         subtract_rank_one_mirrored(P_, K_, f_, by_lambda_, next_);                                       // (4)

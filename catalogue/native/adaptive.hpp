@@ -76,6 +76,8 @@ public:
         virtual Abilities abilities() const = 0;
         virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
         virtual Step<T> pass_time(StateVector<T>& scratch) = 0;
+        virtual Innovation<T> look(Regressor<T> psi, T const& y) = 0;
+        virtual Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) = 0;
         virtual View theta() const = 0;
         virtual View gain() const = 0;
         virtual Stored<T> stored() const = 0;
@@ -90,7 +92,8 @@ public:
         virtual T variance(Index j) = 0;
         virtual T variance_along(Regressor<T> psi) = 0;
         virtual T information_along(Regressor<T> psi) = 0;
-        virtual T asymmetry(Index j) = 0;
+        virtual T watched_variance(Index j) = 0;
+        virtual bool symmetric_within(T const& share, Index i, Index j) = 0;
         virtual bool hand_over() = 0;
         virtual T const* root_lambda() = 0;
         virtual Index window_rows() const = 0;
@@ -131,6 +134,8 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) { return filter_->update(psi, y); }
     Step<T> pass_time(StateVector<T>& scratch) { return filter_->pass_time(scratch); }
+    Innovation<T> look(Regressor<T> psi, T y) { return filter_->look(psi, y); }
+    Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) { return filter_->commit(row, psi, y); }
     View theta() const { return filter_->theta(); }
     View gain() const { return filter_->gain(); }
     Stored<T> stored() const { return filter_->stored(); }
@@ -161,7 +166,10 @@ public:
     /// Instead of those by form: what is inside may have its own.
     friend T variance(AnyAdaptive& f, Index j) { return f.filter_->variance(j); }
     friend T variance_along(AnyAdaptive& f, Regressor<T> psi) { return f.filter_->variance_along(psi); }
-    friend T asymmetry(AnyAdaptive& f, Index j) { return f.filter_->asymmetry(j); }
+    friend T watched_variance(AnyAdaptive& f, Index j) { return f.filter_->watched_variance(j); }
+    friend bool symmetric_within(AnyAdaptive& f, T const& share, Index i, Index j) {
+        return f.filter_->symmetric_within(share, i, j);
+    }
     friend void restart(AnyAdaptive& f, T const& variance, Regressor<T> theta, T const& lambda) {
         f.filter_->restart(variance, theta, lambda);
     }
@@ -199,6 +207,13 @@ struct AnyAdaptive<T>::Around final : Interface {
     Abilities abilities() const override { return abilities_by_type<F>; }
     Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
     Step<T> pass_time(StateVector<T>& scratch) override { return detail::pass_time(f, scratch); }
+    Innovation<T> look(Regressor<T> psi, T const& y) override {
+        if constexpr (Guardable<F>) return detail::look_at(f, psi, y);
+        else cannot();
+    }
+    Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) override {
+        return detail::commit(f, row, psi, y);
+    }
     View theta() const override {
         if constexpr (views_theta) {
             return f.theta();
@@ -267,11 +282,16 @@ struct AnyAdaptive<T>::Around final : Interface {
         if constexpr (ReportsInformationAlong<F>) return information_along(f, psi);
         else cannot();
     }
-    /// 0 of a form that has none: a guard then finds nothing, as where it does not look.
-    T asymmetry(Index j) override {
-        using rlslab::asymmetry;
-        if constexpr (requires { asymmetry(f, j); }) return asymmetry(f, j);
-        else return T(0);
+    T watched_variance(Index j) override {
+        using rlslab::watched_variance;
+        if constexpr (Guardable<F>) return watched_variance(f, j);
+        else cannot();
+    }
+    /// True of what cannot lose it: a guard then finds nothing, as where it does not look.
+    bool symmetric_within(T const& share, Index i, Index j) override {
+        using rlslab::symmetric_within;
+        if constexpr (requires { symmetric_within(f, share, i, j); }) return symmetric_within(f, share, i, j);
+        else return true;
     }
     bool hand_over() override {
         if constexpr (HandsOver<F>) return f.hand_over();
@@ -346,8 +366,12 @@ T information_along(AnyForm<T> f, Regressor<T> psi) {
     return f.filter.information_along(psi);
 }
 template <Real T>
-T asymmetry(AnyForm<T> f, Index j) {
-    return f.filter.asymmetry(j);
+T watched_variance(AnyForm<T> f, Index j) {
+    return f.filter.watched_variance(j);
+}
+template <Real T>
+bool symmetric_within(AnyForm<T> f, T const& share, Index i, Index j) {
+    return f.filter.symmetric_within(share, i, j);
 }
 
 }  // namespace rlslab

@@ -19,7 +19,7 @@ public:
     /// Returns the guard's signal for the row; none without a guard.
     virtual GuardSignal update(double const* psi, double y) = 0;
     virtual Vector<double> theta() const = 0;
-    virtual double variance(Index j) = 0;  ///< P_jj
+    virtual double variance(Index j) = 0;  ///< that a guard holds down: P_jj, or 1/R_jj^2
     virtual Stored<Reference> stored() const = 0;
     virtual GuardCounts counts() const = 0;  ///< zeros without a guard
 };

@@ -48,8 +48,8 @@ public:
         return filter_.theta().unaryExpr([](T const& x) { return static_cast<double>(x); });
     }
     double variance(Index j) override {
-        using rlslab::variance;
-        return static_cast<double>(variance(filter_, j));
+        using rlslab::watched_variance;
+        return static_cast<double>(watched_variance(filter_, j));
     }
     Stored<Reference> stored() const override {
         return filter_.stored().template mapped<Reference>([](T const& x) { return widen(x); });

@@ -5,8 +5,13 @@
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/variants/conventional.hpp>
+#include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/information.hpp>
+#include <rlslab/variants/inverse_qr.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
+#include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/qr.hpp>
+#include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
 
 #include <gtest/gtest.h>
@@ -144,6 +149,58 @@ TEST(Guarded, SkipsOneOutlierAndSaysSo) {
         EXPECT_GT((watched.theta() - before.theta()).norm(), 100);
     }
 }
+/// At c standard deviations of the innovation, s that of the filter's own P: a millionth less passes, a millionth more
+/// does not.
+template <class F>
+void check_threshold() {
+    using T = typename F::scalar;
+    Problem<T> const same{.forgetting = T(lambda), .prior = Prior<T>{.variance = 100}};
+    T const c = 6, part = std::same_as<T, float> ? T(1e-3) : T(1e-6);
+    for (unsigned seed : {71, 72, 73}) {
+        Guarded<F, reporting> g(same);
+        run_rows(g, 500, Seed{seed});
+        Seed rows{seed + 100};
+        T psi[4];
+        draw(rows, psi);
+        F filter = g.filter();
+        auto const [e, s] = detail::look_at(filter, Regressor<T>(psi, 4), T(0));
+        F after = filter;
+        EXPECT_NEAR(double(T(lambda) / s), double(after.update(psi, T(0)).gamma), 1e-4) << F::name;
+        T const edge = c * std::sqrt(g.noise_variance() * s / T(lambda));
+        for (T side : {T(-1), T(1)}) {
+            auto inside = g, beyond = g;
+            inside.update(psi, side * edge * (T(1) - part) - e);
+            beyond.update(psi, side * edge * (T(1) + part) - e);
+            EXPECT_EQ(inside.signal(), GuardSignal::none) << F::name << seed;
+            EXPECT_EQ(beyond.signal(), GuardSignal::outlier) << F::name << seed;
+        }
+    }
+}
+TEST(Guarded, TestsTheInnovationAgainstItsOwnVariance) {
+    check_threshold<Conventional<double, 4>>();
+    check_threshold<Symmetric<double, 4>>();
+    check_threshold<Potter<double, 4>>();
+    check_threshold<Ud<double, 4>>();
+    check_threshold<Ud<float, 4>>();
+    check_threshold<InverseQr<double, 4>>();
+    check_threshold<Information<double, 4>>();
+    check_threshold<Qr<double, 4>>();
+    check_threshold<Gentleman<double, 4>>();
+}
+/// Exact data, whose innovations are rounding alone: rows of another size are no outliers.
+TEST(Guarded, AllowsForRoundingWhereThereIsNoNoise) {
+    Guarded<Ud<double, 4>> g(problem);
+    Seed rows{71};
+    double psi[4];
+    for (int k = 0; k < 3000; ++k) {
+        draw(rows, psi, 0);
+        double const unit = k < 1000 ? 1 : k % 2 ? 1000 : 0.001;
+        double y = 0;
+        for (int i = 0; i < 4; ++i) psi[i] *= unit, y += psi[i] * (i % 2 ? -(i + 1) / 3.0 : (i + 1) / 3.0);
+        g.update(psi, y);
+    }
+    EXPECT_EQ(g.counts().outliers + g.counts().changes, 0);
+}
 /// Largest error of theta in 5000 rows, one in twenty of them 100 standard deviations off; from row 500 on.
 template <GuardPolicy policy>
 std::pair<double, Index> with_outliers(unsigned seed, double share) {
@@ -208,6 +265,31 @@ TEST(Guarded, CapsWindupAndMovesNoBitOfTheta) {
     EXPECT_GT(watched.counts().windups, 10000);
 }
 
+/// From a factor of P^-1 the variance of theta_j is that where the later ones are known, at most P_jj; a cap sets it.
+template <class F>
+void check_windup_of_information() {
+    auto watched = warm<F, reporting>();
+    for (Index j = 0; j < 4; ++j)
+        EXPECT_LE(watched_variance(watched, j), variance(watched, j) * (1 + 1e-12)) << F::name << j;
+    EXPECT_NEAR(watched_variance(watched, 3) / variance(watched, 3), 1, 1e-12) << F::name;
+    auto g = warm<F>();
+    Vector<double> const before = g.theta();
+    double most = 0;
+    for (int k = 0; k < 20000; ++k) {
+        g.update({0.0, 0.0, 0.0, 0.0}, 0.1);
+        watched.update({0.0, 0.0, 0.0, 0.0}, 0.1);
+        for (Index j = 0; j < 4; ++j) most = std::max(most, watched_variance(g, j));
+    }
+    EXPECT_LE((Vector<double>(g.theta()) - before).norm(), 1e-6) << F::name;
+    EXPECT_LE(most, 1600 * std::pow(lambda, -4) * (1 + 1e-9)) << F::name;
+    EXPECT_GT(g.counts().windups, 0) << F::name;
+    EXPECT_GT(watched.counts().windups, 10000) << F::name;
+}
+TEST(Guarded, CapsWindupOfAFactorOfTheInformation) {
+    check_windup_of_information<Qr<double, 4>>();
+    check_windup_of_information<Gentleman<double, 4>>();
+}
+
 // --- breakdown -------------------------------------------------------------------------------------------------------
 
 /// Rows until a fault that is done to the state is reported, at most 100; whether theta is right again 200 rows later.
@@ -244,6 +326,22 @@ TEST(Guarded, TellsOfAStateThatBroke) {
     check(told_after<Ud<double, 4>, resetting>(negative), true);
     check(told_after<Qr<double, 4>, resetting>(singular), true);
     EXPECT_FALSE((told_after<Ud<double, 4>, reporting>(lose).second));
+}
+
+/// Each pair of P is looked at once in d^2/2 rows: what is skew by more than the share is told of, what is by less is
+/// not.
+TEST(Guarded, LooksAtEachPairOfP) {
+    for (Index j = 1; j < 4; ++j)
+        for (Index i = 0; i < j; ++i)
+            for (double part : {0.5, 2.0}) {
+                auto g = warm<Conventional<double, 4>, reporting>();
+                auto& P = g.form().P;
+                double const skew = part / 1024 * std::sqrt(P(i, i) * P(j, j));
+                P(i, j) += skew / 2;
+                P(j, i) -= skew / 2;
+                for (int k = 0; k < 8; ++k) g.update({0.0, 0.0, 0.0, 0.0}, 0.0);
+                EXPECT_EQ(g.counts().breakdowns > 0, part > 1) << i << ' ' << j;
+            }
 }
 
 // --- compositions ----------------------------------------------------------------------------------------------------

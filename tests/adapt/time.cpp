@@ -2,7 +2,7 @@
 #include "tests/adapt/adapt.hpp"
 
 #include <rlslab/adapt/remove.hpp>
-#include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
@@ -135,18 +135,27 @@ TEST(Inflate, AddsARankOneTermAndLeavesTheta) {
 TEST(Inflate, KeepsASymmetricPSymmetric) {
     auto f = warm<Symmetric<double, 4>>();
     inflate(f, 0.1, direction);
-    for (Index j = 0; j < 4; ++j) EXPECT_EQ(asymmetry(f, j), 0);
+    EXPECT_EQ(covariance_of(f), Matrix<double>(covariance_of(f).transpose()));
     remove(f, Regressor<double>(direction, 4), 1.0, 1e-3);
-    for (Index j = 0; j < 4; ++j) EXPECT_EQ(asymmetry(f, j), 0);
+    EXPECT_EQ(covariance_of(f), Matrix<double>(covariance_of(f).transpose()));
 }
-TEST(Asymmetry, IsThatOfThePairThatDiffersMost) {
+TEST(Symmetry, IsHeldAgainstTheRootOfBothVariances) {
     auto f = warm<Conventional<double, 4>>();
-    f.form().P(1, 2) = 1;
-    f.form().P(2, 1) = -0.5;
-    EXPECT_EQ(asymmetry(f, 2), 1.5 / std::max({1.0, std::abs(f.form().P(0, 2)), std::abs(f.form().P(2, 2)),
-                                               std::abs(f.form().P(3, 2))}));
-    f.form().P(1, 2) = NAN;
-    EXPECT_TRUE(std::isnan(asymmetry(f, 2)));
+    auto& P = f.form().P;
+    P(1, 1) = 4;
+    P(2, 2) = 9;
+    P(1, 2) = 1;
+    P(2, 1) = -0.5;  // 1.5 / sqrt(4 x 9) = 1/4
+    EXPECT_TRUE(symmetric_within(f, 0.25, 1, 2) && symmetric_within(f, 0.5, 2, 1));
+    EXPECT_FALSE(symmetric_within(f, 0.24, 1, 2) || symmetric_within(f, 0.24, 2, 1));
+    P(1, 1) = -4;
+    EXPECT_FALSE(symmetric_within(f, 1.0, 1, 2) || symmetric_within(f, 1.0, 1, 1));
+    P(1, 1) = 4;
+    P(1, 2) = NAN;
+    EXPECT_FALSE(symmetric_within(f, 1.0, 1, 2));
+    static_assert(MayLoseSymmetry<JosephRankTwo<double>> && !MayLoseSymmetry<Symmetric<double>> &&
+                  !MayLoseSymmetry<Forgetting<Symmetric<double>, RotatingRidge<double>>> &&
+                  !MayLoseSymmetry<Potter<double>>);
 }
 
 // --- single numbers --------------------------------------------------------------------------------------------------

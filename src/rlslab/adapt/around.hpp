@@ -36,6 +36,7 @@ protected:
 public:
     using scalar = typename F::scalar;
     static constexpr std::string_view name = F::name;
+    static constexpr bool mirrored = requires { requires F::mirrored; };
 
     auto theta() const { return filter_.theta(); }
     auto gain() const { return filter_.gain(); }

@@ -101,6 +101,33 @@ typename F::scalar trace(F& f) {
     return sum;
 }
 
+/// The variance of theta_j that a guard holds down: P_jj where P or a factor of it is stored. Where a factor of P^-1 is,
+/// that of theta_j if theta_{j+1} ... theta_d are known, 1/R_jj^2 <= P_jj: one number, no substitution. Where P grows
+/// without bound, so does one of them: their product is det P (docs/theory.md 88).
+template <class Form>
+typename Form::scalar watched_variance(Form f, Index j)
+    requires(!RecursiveLeastSquares<Form>)
+{
+    return variance(f, j);
+}
+template <class T, int N>
+T watched_variance(RootInformation<T, N> f, Index j) {
+    return T(1) / (f.L(j, j) * f.L(j, j));
+}
+template <class T, int N>
+T watched_variance(UnitInformation<T, N> f, Index j) {
+    return T(1) / f.D[j];
+}
+template <class T, int N>
+T watched_variance(NormalEquations<T, N> f, Index j) {
+    if (!f.solved) f.solve();
+    return T(1) / f.D[j];
+}
+template <ReportsVariances F>
+typename F::scalar watched_variance(F& f, Index j) {
+    return watched_variance(f.form(), j);
+}
+
 // --- psi'P psi -------------------------------------------------------------------------------------------------------
 
 /// psi'P psi: what the variance of psi'theta is in units of the noise's. From P or a factor of P^-1 or of P. At most
@@ -196,24 +223,23 @@ typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
 
 // --- asymmetry -------------------------------------------------------------------------------------------------------
 
-/// max_i |P_ij - P_ji| / max_i |P_ij| of a P in full storage: one row and one column, d subtractions. NaN where P is.
-template <class T, int N>
-T asymmetry(PlainCovariance<T, N> f, Index j) {
-    T most = T(0), largest = T(0);
-    for (Index i = 0; i < f.theta.size(); ++i) {
-        T const difference = absolute(T(f.P(i, j) - f.P(j, i))), size = absolute(f.P(i, j));
-        most = select(difference <= most || !(most == most), most, difference);  // a NaN stays
-        largest = select(size <= largest, largest, size);
-    }
-    return select(most == T(0), T(0), T(most / largest));
+/// Whether |P_ij - P_ji| <= share sqrt(P_ii P_jj), P in full storage: no unit of the parameters changes it. Not where one
+/// of the four is NaN or P_ii or P_jj negative. The roots are taken only where the smaller of P_ii and P_jj does not
+/// decide.
+template <Real T, int N>
+bool symmetric_within(PlainCovariance<T, N> f, T const& share, Index i, Index j) {
+    T const difference = absolute(T(f.P(i, j) - f.P(j, i))), a = f.P(i, i), b = f.P(j, j);
+    return difference <= share * (b < a ? b : a) || difference <= share * (square_root(a) * square_root(b));
 }
 
+/// Keeps P in full storage: but for a variant that is `mirrored`, whose P is symmetric by construction, nor what is around one.
 template <class F>
-concept ReportsAsymmetry = NamesItsForm<F> && requires(F f) { asymmetry(f.form(), Index(0)); };
+concept MayLoseSymmetry = NamesItsForm<F> && !requires { requires F::mirrored; } &&
+                          requires(F f, typename F::scalar x) { symmetric_within(f.form(), x, Index(0), Index(0)); };
 
-template <ReportsAsymmetry F>
-typename F::scalar asymmetry(F& f, Index j) {
-    return asymmetry(f.form(), j);
+template <MayLoseSymmetry F>
+bool symmetric_within(F& f, typename F::scalar const& share, Index i, Index j) {
+    return symmetric_within(f.form(), share, i, j);
 }
 
 }  // namespace rlslab

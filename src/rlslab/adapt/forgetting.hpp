@@ -3,7 +3,7 @@
 
 #include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/bounded_count.hpp>
-#include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/rule_number.hpp>
 
 #include <limits>
@@ -75,6 +75,8 @@ public:
         ++memory_.rows.n;
         return step;
     }
+    /// e and s of the filter inside, before the rule has done anything.
+    Innovation<T> look_inside(Regressor<T> psi, T const& y) { return detail::look_at(filter_, psi, y); }
     static constexpr std::string_view layer = detail::rule_name<Rule>();
     static auto options(auto const& f) {
         std::array<StateOption, std::tuple_size_v<decltype(detail::numbers_of<Rule>())> + 1> out;

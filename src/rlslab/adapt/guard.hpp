@@ -3,8 +3,8 @@
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
-#include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/guard_policy.hpp>
+#include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/window.hpp>
 
 #include <algorithm>
@@ -12,12 +12,14 @@
 
 namespace rlslab {
 
-/// What a guard needs of a filter: P_jj, a restart, and a row that holds P down.
+/// What a guard needs of a filter: e and s before the update, P_jj, a restart, and a row that holds P down.
 template <class F>
 concept Guardable =
     RecursiveLeastSquares<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
     requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
+        detail::look_at(f, a, x);
         variance(f, Index(0));
+        watched_variance(f, Index(0));
         restart(f, x, a, x);
         cap_row(f, a, x, x);
     };
@@ -49,52 +51,55 @@ struct GuardCounts {
 
 template <Field T>
 struct GuardOptions {
-    T largest_variance = T(0);     ///< of P_jj, in units of the noise's; 0: 16 times the start's
+    T largest_variance = T(0);     ///< of p in (4), in units of the noise's; 0: 16 times the start's
     T innovation = T(6);           ///< c of the innovation test, in standard deviations; 0: none
     T least_noise = T(0);          ///< a standard deviation below which the noise is not believed to be
     Index noise_memory = 200;      ///< rows that the noise's variance is averaged over, >= 1
-    T asymmetry = T(1) / T(1024);  ///< of a P in full storage, relative
+    T asymmetry = T(1) / T(1024);  ///< |P_ij - P_ji| / sqrt(P_ii P_jj), of a P in full storage
     Index rebuild_rows = 0;        ///< kept for rebuilding; 0: 10 d
 };
 
-/// F, with every row looked at before and after it in O(d), one coordinate j = k mod d of P at each (d^2/6 more where F
-/// holds a factor of P^-1, and d^2/2 to solve for theta where F keeps none):
+/// F, with every row looked at before it is committed, and P after it, in O(d) besides the update (d^2/2 more where F
+/// holds a factor of P^-1, or follows a rule):
 ///
-///   (1) |psi|^2, y^2 <= 2^(e/2), e the arithmetic's largest exponent, else unusable: no bit of F changes
-///   (2) e = y - psi'theta, an outlier where e^2 lambda / (lambda + |psi|^2 t) > c^2 s2, t the sum of the P_jj as last
-///       seen, so that |psi|^2 t >= psi'P psi; 5 outliers among 6 rows are a change. What rounding makes of e is
-///       allowed for besides
-///   (3) the row; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20 numbers gamma
-///       e^2 on, over 0.455. Until then, and again after a reset, (2) is not made
-///   (4) p = P_jj: breakdown where p <= 0 or is not finite, windup where p > largest_variance; capped by the row
-///       sqrt(r) e_j, r = 1/largest_variance - 1/p, of output sqrt(r) theta_j. Between two visits P_jj grows by
-///       lambda^-d at most
+///   (1) s, y^2 <= 2^(E/2) and e finite, or |psi|^2, y^2 <= 2^(E/2), E the arithmetic's largest exponent, else unusable: no bit of F changes
+///   (2) e and s of the update; an outlier where e^2 lambda / s > c^2 s2; 5 outliers among 6 rows are a change. What
+///       rounding makes of e is allowed for besides. s <= 0 or NaN is left to the step's health
+///   (3) the rest of the update; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20
+///       numbers gamma e^2 on, over 0.455. Until then, and again after a reset, (2) is not made
+///   (4) j = k mod d, p = P_jj, or 1/R_jj^2 where F holds a factor of P^-1 (watched_variance): breakdown where p <= 0 or
+///       is not finite, windup where p > largest_variance; capped by the row sqrt(r) e_j, r = 1/largest_variance - 1/p,
+///       of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
+///   (5) P in full storage: breakdown where |P_ij - P_ji| > asymmetry sqrt(P_ii P_jj), one pair a row, each of them once
+///       in d^2/2 rows
 ///
 /// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
-/// (where F's theta() makes none); memory: 13 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
-/// min(x^2, 9) and 0.455 the median of x^2, x normal.
-/// Thresholds of (2): docs/theory.md 61. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read), in
-/// squares.
+/// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
+/// min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule of forgetting s is that of before the rule.
+/// Thresholds of (2): docs/theory.md 61; of (4) and (5): 88. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000
+/// (cited, not read), in squares. Edition 1 had a bound of s, P_jj of every form, and a column of P in (5).
 template <Guardable F, GuardPolicy policy = resetting>
     requires(policy.valid() && (!policy.hands_over() || HandsOver<F>))
 class Guarded : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
     using detail::AroundFilter<F, true>::filter_;
     GuardOptions<T> options_;
-    T lambda_, limit_, start_ = T(0);                             // of |psi|^2 and y^2
-    StateVector<T, detail::size_of<F>> psi_, variances_, theta_;  // theta as last seen finite
+    T lambda_, limit_, start_ = T(0);                 // of s, y^2 and |psi|^2
+    StateVector<T, detail::size_of<F>> psi_, theta_;  // workspace; theta as last seen finite
     GuardCounts counts_;
     GuardSignal signal_ = GuardSignal::none;
-    T t_ = T(0), theta_size_ = T(0), s2_ = T(0);  // t, |theta|^2, s2
+    T s2_ = T(0);
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20>
         squares_;  // from which s2 is learnt
     RowRing<T> ring_;
     BoundedCount learnt_, coordinate_;  // rows that s2 was learnt from; j
+    BoundedCount apart_;                // i = j + 1 + apart mod d in (5)
     BoundedCount history_{0, 63};       // outliers among the last rows, a bit each, the newest lowest
     bool determined_ = false;           // a step was sound
 
 public:
     static constexpr bool departs = true;  ///< from the problem's J
+    static constexpr int edition = 2;
 
     explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {})
         : Guarded(F(problem), problem, options) {}
@@ -103,10 +108,11 @@ public:
         : detail::AroundFilter<F, true>(filter), options_(options),
           lambda_(checked(problem, int(filter.theta().size())).forgetting),
           limit_(T(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000)))), psi_(filter_.theta().size()),
-          variances_(psi_.size()), theta_(psi_.size()), squares_(10 * psi_.size() + 20),
+          theta_(psi_.size()), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(),
                 policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
-          learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1} {
+          learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1},
+          apart_{0, std::max(psi_.size() / 2, Index(1)) - 1} {
         expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise,
                 "options >= 0");
         expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rebuild_rows >= 0,
@@ -114,35 +120,31 @@ public:
         for (Index j = 0; problem.prior && j < psi_.size(); ++j) start_ = std::max(start_, variance(filter_, j));
         if (!(T(0) < start_) || !is_finite(start_)) start_ = T(16384);
         if (options_.largest_variance == T(0)) options_.largest_variance = T(16) * start_;
-        if (problem.prior && problem.prior->theta) keep_theta(Regressor<T>(*problem.prior->theta));
-        detail::fill(variances_, start_);
-        sum_up();
+        if (problem.prior && problem.prior->theta) keep_regressor(Regressor<T>(*problem.prior->theta), theta_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
-        keep_regressor(psi, psi_);  // which may be the gain's own numbers
+        expects(psi.size() == psi_.size(), "a regressor of the problem's size");
         ++counts_.rows;
-        T const size = dot(psi_, psi_);
-        if (!(size <= limit_) || !(y * y <= limit_)) {  // (1)
+        Innovation<T> const row = detail::look_at(filter_, psi, y);
+        if (!(row.s <= limit_ && y * y <= limit_ && is_finite(row.e)) && !usable(psi, y)) {  // (1)
             ++counts_.unusable;
             signal_ = GuardSignal::unusable;
             return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
         }
         signal_ = GuardSignal::none;
-        if (armed()) {  // (2)
-            T const e = predicted_apart(y);
-            if (is_outlier(y, e, size)) {
-                if (changed()) return restart_at(y);
-                if constexpr (policy.outlier == Action::skip) return {e, e, T(1), Health::sound};
-            }
+        if (armed() && is_outlier(psi, y, row)) {  // (2)
+            if (changed()) return restart_at(psi, y);
+            if constexpr (policy.outlier == Action::skip) return {row.e, row.e, T(1), Health::sound};
         }
-        return process_row(y);
+        if constexpr (policy.rebuilds()) keep_regressor(psi, psi_);  // which may be the gain's own numbers
+        return watch(detail::commit(filter_, row, psi, y), y);
     }
     /// Time without a row: F's row with psi = 0. P_jj is looked at; nothing is tested, and nothing learnt of the noise.
     Step<T> pass_time() {
         signal_ = GuardSignal::none;
         detail::fill(psi_, T(0));
-        return process_row(T(0), false);
+        return watch(filter_.update(kept_row(), T(0)), T(0), false);
     }
     static constexpr std::string_view layer = "guard";
     static std::array<StateOption, 9> options(auto const& g) {
@@ -157,13 +159,13 @@ public:
                  {"rows", double(g.counts_.rows), true}}};
     }
     static auto state(auto& g) {
-        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_,
-                        g.options_.largest_variance, g.t_, g.theta_size_, g.s2_, g.squares_, g.learnt_, g.coordinate_,
-                        g.history_, g.determined_);
+        return std::tie(g.filter_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance,
+                        g.s2_, g.squares_, g.learnt_, g.coordinate_, g.apart_, g.history_, g.determined_);
     }
 
     /// Of the filter inside.
     friend T variance(Guarded& g, Index j) { return variance(g.filter_, j); }
+    friend T watched_variance(Guarded& g, Index j) { return watched_variance(g.filter_, j); }
     friend T variance_along(Guarded& g, Regressor<T> psi) { return variance_along(g.filter_, psi); }
 
     GuardSignal signal() const { return signal_; }  ///< what the last row showed
@@ -177,17 +179,22 @@ public:
     T noise_variance() const { return s2_; }  ///< s2; 0 until it is known
 
 private:
-    bool armed() const { return T(0) < options_.innovation && learnt_.n == squares_.size(); }
-    T predicted_apart(T const& y) const {
-        auto const theta = filter_.theta();
-        return y - dot(theta.data(), psi_.data(), psi_.size());
+    /// Else e or s out of range is the state's fault.
+    bool usable(Regressor<T> psi, T const& y) const {
+        return dot(psi.data(), psi.data(), psi.size()) <= limit_ && y * y <= limit_;
     }
-    bool is_outlier(T const& y, T const& e, T const& size) {
-        T const least = options_.least_noise * options_.least_noise, s2 = s2_ < least ? least : s2_;
-        T const rounding = T(8 * epsilon<T>()), made = rounding * rounding * (y * y + size * theta_size_);
-        T const left = e * e * lambda_,
-                right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * t_) + made);
-        bool const out = !(left <= right);  // an overflow on the left, too
+    bool armed() const { return T(0) < options_.innovation && learnt_.n == squares_.size(); }
+    Regressor<T> kept_row() const { return {psi_.data(), psi_.size()}; }
+    bool is_outlier(Regressor<T> psi, T const& y, Innovation<T> const& row) {
+        if (!(T(0) < row.s) || !is_finite(row.s) || !(row.e == row.e)) return false;
+        T const least = options_.least_noise * options_.least_noise, s2 = s2_ < least ? least : s2_,
+                most = options_.innovation * options_.innovation, left = row.e * row.e * lambda_;
+        bool out = !(left <= most * (s2 * row.s));  // an overflow on the left, too
+        if (out) {
+            T const rounding = T(8 * epsilon<T>()), size = dot(psi.data(), psi.data(), psi.size()),
+                    made = rounding * rounding * (y * y + size * dot(theta_, theta_));
+            out = !(left <= most * (s2 * row.s + made));
+        }
         history_.n = (history_.n << 1 | Index(out)) & 63;
         if (out) {
             ++counts_.outliers;
@@ -205,32 +212,32 @@ private:
         history_.n = 0;
         return policy.change == Action::reset;
     }
-    Step<T> restart_at(T const& y) {
+    Step<T> restart_at(Regressor<T> psi, T const& y) {
+        keep_regressor(psi, psi_);
         auto const theta = filter_.theta();
         reset_to(Regressor<T>(theta));
-        Step<T> const step = process_row(y);
+        Step<T> const step = watch(filter_.update(kept_row(), y), y);
         signal_ = GuardSignal::change;
         return step;
     }
     void reset_to(Regressor<T> theta) {
         restart(filter_, start_, theta, lambda_);
-        detail::fill(variances_, start_);
-        sum_up();
         s2_ = T(0);
         learnt_.n = 0;
         history_.n = 0;
     }
-    Step<T> process_row(T const& y, bool learns = true) {  // (3)
-        Step<T> const step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), y);
+    /// What follows F's step of a row; where the policy rebuilds, psi_ is the row.
+    Step<T> watch(Step<T> const& step, T const& y, bool learns = true) {
         if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
         bool broken = step.health != Health::sound && (determined_ || step.health != Health::undetermined);
         if (step.health == Health::sound) {
             determined_ = true;
-            if (learns) learn(step.innovation * step.residual);
-            broken = !look(coordinate_.n);  // (4)
+            if (learns) learn(step.innovation * step.residual);  // (3)
+            broken = !is_covariance(coordinate_.n);
         }
         if (broken) repair();
-        coordinate_.n = coordinate_.n + 1 < psi_.size() ? coordinate_.n + 1 : 0;
+        if (coordinate_.n + 1 < psi_.size()) ++coordinate_.n;
+        else coordinate_.n = 0, apart_.n = apart_.n + 1 < psi_.size() / 2 ? apart_.n + 1 : 0;
         return step;
     }
     void learn(T const& square) {
@@ -246,43 +253,31 @@ private:
         std::nth_element(squares_.data(), middle, squares_.data() + learnt_.n);
         s2_ = *middle / T(0.455);
     }
-    /// P_jj, and what follows from it; false where it is no variance.
-    bool look(Index j) {
-        T p = variance(filter_, j);
+    /// (4) and (5); false where P is none.
+    bool is_covariance(Index j) {
+        T const p = watched_variance(filter_, j);
         if (!(T(0) < p) || !is_finite(p)) return false;
-        if constexpr (requires { asymmetry(filter_, j); })
-            if (!(asymmetry(filter_, j) <= options_.asymmetry)) return false;
+        if constexpr (requires { symmetric_within(filter_, p, j, j); }) {
+            Index const next = j + 1 + apart_.n, i = next < psi_.size() ? next : next - psi_.size();
+            if (!symmetric_within(filter_, options_.asymmetry, i, j)) return false;
+        }
         if (p > options_.largest_variance) {
             ++counts_.windups;
             if (signal_ == GuardSignal::none) signal_ = GuardSignal::windup;
-            if constexpr (policy.windup == Action::cap) {
-                cap(j, p);
-                p = options_.largest_variance;
-            }
+            if constexpr (policy.windup == Action::cap) cap(j, p);
         }
-        t_ += p - variances_[j];
-        variances_[j] = p;
         if (j == 0) {
-            sum_up();  // what rounding left in the differences goes
-            auto const theta = filter_.theta();
-            if (all_finite<T>(theta)) keep_theta(Regressor<T>(theta));
+            detail::theta_of(filter_, psi_);
+            if (all_finite(psi_)) theta_ = psi_;
         }
         return true;
-    }
-    void sum_up() {
-        t_ = T(0);
-        for (Index i = 0; i < variances_.size(); ++i) t_ += variances_[i];
-    }
-    void keep_theta(Regressor<T> theta) {
-        keep_regressor(theta, theta_);
-        theta_size_ = dot(theta_, theta_);
     }
     void cap(Index j, T const& p) {
         T const root = square_root(T(T(1) / options_.largest_variance - T(1) / p));
         detail::fill(psi_, T(0));
         psi_[j] = root;
         T const output = root * filter_.theta()[j];
-        cap_row(filter_, Regressor<T>(psi_.data(), psi_.size()), output, lambda_);
+        cap_row(filter_, kept_row(), output, lambda_);
     }
     /// The kept rows anew; without them where they are what broke the filter.
     void rebuild() {

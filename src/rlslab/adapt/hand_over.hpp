@@ -3,6 +3,7 @@
 
 #include <rlslab/state/convert.hpp>
 #include <rlslab/adapt/around.hpp>
+#include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/window.hpp>
 
 #include <tuple>
@@ -138,14 +139,15 @@ public:
         least_ = T(detail::stores_the_square<decltype(first_.form())> ? part : part * part);  // (2)
     }
 
-    Step<T> update(Regressor<T> psi, T y) {
-        if (handed_) return second_step(psi, y);
-        Step<T> const step = first_.update(psi, y);
-        bool const look = ++since_ >= options_.every;
-        if (look) since_ = 0;
-        if (step.health == Health::indefinite || (look && step.health == Health::sound && !(least_ < share())))
-            hand_over();
-        return step;
+    Step<T> update(Regressor<T> psi, T y) { return handed_ ? second_step(psi, y) : watch(first_.update(psi, y)); }
+    /// In two steps (look.hpp).
+    Innovation<T> look(Regressor<T> psi, T y) {
+        if (!handed_) return detail::look_at(first_, psi, y);
+        auto const [e, s] = detail::look_at(second_, widened(psi), number_as<U>(y));
+        return {number_as<T>(e), number_as<T>(s)};
+    }
+    Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) {
+        return handed_ ? second_step(psi, y) : watch(detail::commit(first_, row, psi, y));
     }
     Vector<T, N> theta() const { return handed_ ? narrowed(second_.theta()) : Vector<T, N>(first_.theta()); }
     Vector<T, N> gain() const { return handed_ ? narrowed(second_.gain()) : Vector<T, N>(first_.gain()); }
@@ -190,10 +192,13 @@ public:
     friend T variance_along(Relay& r, Regressor<T> psi) {
         return r.handed_ ? number_as<T>(variance_along(r.second_, r.widened(psi))) : variance_along(r.first_, psi);
     }
-    friend T asymmetry(Relay& r, Index j)
-        requires ReportsAsymmetry<F>
+    friend T watched_variance(Relay& r, Index j) {
+        return r.handed_ ? number_as<T>(watched_variance(r.second_, j)) : watched_variance(r.first_, j);
+    }
+    friend bool symmetric_within(Relay& r, T const& share, Index i, Index j)
+        requires MayLoseSymmetry<F>
     {
-        return r.handed_ ? T(0) : asymmetry(r.first_, j);
+        return r.handed_ || symmetric_within(r.first_, share, i, j);
     }
     friend void restart(Relay& r, T const& variance, Regressor<T> theta, T const& lambda) {
         if (r.handed_) rlslab::restart(r.second_, number_as<U>(variance), r.widened(theta), number_as<U>(lambda));
@@ -205,6 +210,14 @@ public:
     }
 
 private:
+    /// (1) to (3), after F's step.
+    Step<T> watch(Step<T> const& step) {
+        bool const look = ++since_ >= options_.every;
+        if (look) since_ = 0;
+        if (step.health == Health::indefinite || (look && step.health == Health::sound && !(least_ < share())))
+            hand_over();
+        return step;
+    }
     T share() { return least_share(first_.form(), L_, D_); }  // (1)
     Regressor<U> widened(Regressor<T> x) {
         expects(x.size() == psi_.size(), "as many numbers as parameters");

@@ -4,7 +4,7 @@
 
 #include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/bounded_count.hpp>
-#include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/remove.hpp>
 
 #include <limits>
@@ -98,14 +98,14 @@ class Windowed : public detail::AroundFilter<F> {
     BoundedCount spoilt_;                                  // rows until the last that is not finite has left
     Index since_ = 0, refactored_ = 0;                     // rows since the last factoring
 
-    void add_row(T const* psi, T const& y, Step<T>& step) {
-        step = filter_.update(Regressor<T>(psi, size()), y);
+    void add(Step<T> const& step, T const& y) {
         T const kept = step.gamma * step.gamma;
         V_ = kept * V_ + T(1);  // (1)
         Y_ = forgetting_ * Y_ + y * y;
         E_ = kept * E_ + Y_;
     }
     Index size() const { return psi_.size(); }
+    Regressor<T> row_as_kept() const { return {psi_.data(), size()}; }
 
 public:
     explicit Windowed(Problem<T> const& problem, WindowOptions<T> const& options = {})
@@ -123,7 +123,15 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);  // which may be the gain's own numbers
-        return step(y, all_finite(psi_) && is_finite(y));
+        return step(filter_.update(row_as_kept(), y), y);
+    }
+    /// In two steps (look.hpp).
+    Innovation<T> look(Regressor<T> psi, T y) {
+        keep_regressor(psi, psi_);
+        return detail::look_at(filter_, row_as_kept(), y);
+    }
+    Step<T> commit(Innovation<T> const& row, Regressor<T>, T const& y) {
+        return step(detail::commit(filter_, row, row_as_kept(), y), y);
     }
     static constexpr std::string_view layer = "window";
     static std::array<StateOption, 4> options(auto const& w) {
@@ -149,7 +157,8 @@ public:
         V_ = Y_ = E_ = T(0);
         for (Index k = 0; k < ring_.held(); ++k) {
             T const* const row = ring_.row(k);
-            add_row(row, row[size()], last);
+            last = filter_.update(Regressor<T>(row, size()), row[size()]);
+            add(last, row[size()]);
         }
         V0_ = V_;
         since_ = 0;
@@ -170,10 +179,15 @@ public:
     {
         return variance_along(w.filter_, psi);
     }
-    friend T asymmetry(Windowed& w, Index j)
-        requires ReportsAsymmetry<F>
+    friend T watched_variance(Windowed& w, Index j)
+        requires ReportsVariances<F>
     {
-        return asymmetry(w.filter_, j);
+        return watched_variance(w.filter_, j);
+    }
+    friend bool symmetric_within(Windowed& w, T const& share, Index i, Index j)
+        requires MayLoseSymmetry<F>
+    {
+        return symmetric_within(w.filter_, share, i, j);
     }
     friend void restart(Windowed& w, T const& variance, Regressor<T> theta, T const&)
         requires TimeUpdates<F>
@@ -198,9 +212,10 @@ private:
         expects(options.refactor_every >= 0, "a schedule of >= 0 rows");
         return options;
     }
-    Step<T> step(T const& y, bool finite) {
-        Step<T> out;
-        add_row(psi_.data(), y, out);
+    /// What follows F's step of the row in psi_.
+    Step<T> step(Step<T> const& out, T const& y) {
+        bool const finite = all_finite(psi_) && is_finite(y);
+        add(out, y);
         ++since_;
         bool alarm = false;
         bool const leaves = ring_.full();
