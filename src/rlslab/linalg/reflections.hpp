@@ -56,8 +56,8 @@ public:
 };
 
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B
-/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A was never as
-/// large.
+/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if the block
+/// was never as large.
 template <Scalar T>
 RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
                         RealOf<T> const& root, RowBlock<T>& block) {
