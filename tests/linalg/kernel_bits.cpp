@@ -275,7 +275,7 @@ TYPED_TEST(KernelBits, OfReflectionsAreTheSame) {
     });
 }
 
-/// A panel's operands, as ReflectPanel wants them: numbers in range, some columns zeros of either sign, some multiples of
+/// A panel's operands, as ReflectPanel wants them: numbers in range, some columns zeros of either sign, some those of
 /// others, R above A, and what is behind A's rows zero.
 template <class T>
 struct PanelOperands {

@@ -328,14 +328,14 @@ public:
             sum = sum * square(T(weight)) + squared(A.col(j).data(), A.rows());
         }
     }
-    /// After add_rows: whether squares and products of the columns, of R and of A, neither overflow nor lose what counts
-    /// to underflow, for UndividedReflector and kernels::ReflectPanel: with p digits
+    /// After add_rows: whether squares and products of the columns, of R and of A, neither overflow nor underflow where
+    /// that counts, for UndividedReflector and kernels::ReflectPanel: with p digits
     ///
     ///   2^(min_exp + 3p) < n_j^2 < 2^(max_exp - 8)
     ///
-    /// Products of columns, of pivots, and their partial sums are below 32 max n_j^2. What a reflection leaves out below
-    /// 2^(min_exp + p), and the underflow of a product, are below u^2 of n_j^2. False for a column that has always been
-    /// zero.
+    /// Products of columns, of pivots, and their partial sums are below 32 max n_j^2. What a reflection leaves out
+    /// below 2^(min_exp + p), and the underflow of a product, are below u^2 of n_j^2. False for a column that has
+    /// always been zero.
     Truth<T> products_in_range() const {
         using Traits = ArithmeticTraits<T>;
         constexpr int least = Traits::min_exp + 3 * Traits::digits, most = Traits::max_exp - 8;

@@ -365,21 +365,21 @@ struct Reflection {
     T tau;
     T *A, *above, *last;
 };
-/// Up to eight reflections H_q = I - beta_q v_q v_q', v_q = (pivot_q, x_q), that make zeros of the first columns x_q of A
-/// below R, all but the last of at most eight, and change the columns behind. Each of them is right of (1) and (2):
+/// Up to eight reflections I - beta_q v_q v_q', v_q = (pivot_q, x_q): they make zeros below R of the first columns of
+/// A, of all but the last where A has no more than eight, and change the columns behind. For q = 0, 1, ..., j > q:
 ///
 ///   (1) r = -+|(R_qq, x_q)|,  pivot = R_qq - r,  beta = -1 / (r pivot);  0, where x_q'x_q = 0 or r^2 is too small
-///   (2) t_j = beta_q (pivot_q R_qj + x_q'a_j),  R_qj -= t_j pivot_q,  a_j -= t_j x_q        for q = 0, 1, ..., j > q
+///   (2) t_j = beta_q (pivot_q R_qj + x_q'a_j),  R_qj -= t_j pivot_q,  a_j -= t_j x_q
 ///
-/// If more than `most` columns are behind the pivots, they follow by products of matrices:
+/// If more than `most` columns are behind the pivots, these follow by products of matrices:
 ///
 ///   (3) w = V'a_j,  G = V'V,  V = (x_0 ... x_7)
 ///   (4) t_q = beta_q (pivot_q R_qj + (w_q - sum_{p<q} t_p G_pq)),  R_qj -= t_q pivot_q      (5) a_j -= sum_q t_q x_q
 ///
 /// Sums of (1) and (2) go in eight lanes, those of (3) over the rows from the first, (4) and (5) in the order of the
-/// reflections; each begins with 0. R_qj is above[q ld_above + j], last[q] for the last column. For float and double A's
-/// columns are padded to eight rows with zeros, and V has room for 8 numbers a row. All numbers must be finite, and
-/// neither squares nor products of two columns overflow.
+/// reflections; those over rows begin with 0. R_qj is above[q ld_above + j], last[q] for the last column. For float and
+/// double A's columns are padded to eight rows with zeros, and V has room for 8 numbers a row. All numbers must be
+/// finite, and neither squares nor products of two columns overflow.
 template <class T>
 struct ReflectPanel {
     static constexpr int most = 8;

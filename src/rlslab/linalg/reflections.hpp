@@ -19,7 +19,7 @@ T power(T x, Index n) {
 }
 /// [R z] times the weight.
 template <Scalar T, int N>
-void weigh(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z) {
+void apply_weight(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z) {
     for (Index i = 0; i < z.size(); ++i) {
         for (Index j = i; j < z.size(); ++j) L(j, i) *= weight;
         z[i] *= weight;
@@ -56,8 +56,8 @@ public:
 };
 
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B
-/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A was never as
-/// large.
+/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if the block
+/// was never as large.
 template <Scalar T>
 RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
                         RealOf<T> const& root, RowBlock<T>& block) {
@@ -122,7 +122,7 @@ template <Real T, int N>
 T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z,
                      std::type_identity_t<Eigen::Ref<Matrix<T>>> A) {
     Index const d = z.size(), rows = A.rows();
-    detail::weigh(weight, L, z);
+    detail::apply_weight(weight, L, z);
     T ratio = T(1);
     for (Index i = 0; i < d; ++i) {
         T* const v = A.col(i).data();
@@ -166,7 +166,7 @@ void reflect_panels_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N
         }
     }
     Index const d = z.size();
-    detail::weigh(weight, L, z);
+    detail::apply_weight(weight, L, z);
     for (Index i = 0; i < d; i += kernels::ReflectPanel<T>::most)
         run_kernel<T, Dynamic>(kernels::ReflectPanel<T>{A.rows(), d + 1 - i, A.outerStride(), A.col(i).data(),
                                                         L.column(i) + i, L.stride(), &z[i], block.V()});
@@ -184,7 +184,7 @@ RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, Stat
         for (Index i = 0; i < d; ++i) z[i] = conjugate(z[i]);
         for (Index k = 0; k < rows; ++k) A(k, d) = conjugate(A(k, d));
     };
-    detail::weigh(weight, L, z);
+    detail::apply_weight(weight, L, z);
     exchange();
     R ratio = R(1);
     for (Index i = 0; i < d; ++i) {

@@ -1,6 +1,6 @@
 // A panel of eight reflections that are folded into a triangle together, by products of matrices: the text for every
-// arithmetic, which defines the bits, and the one for registers. Included by dispatch.hpp once for each instruction set,
-// each time in a namespace of its own: no #pragma once.
+// arithmetic, which defines the bits, and the one for registers. Included by dispatch.hpp once for each instruction
+// set, each time in a namespace of its own: no #pragma once.
 
 /// A panel while it is at work: of `columns` columns `turned` are reflected one by one, the first `count` of which are
 /// pivots; what is behind these is reached by products.
