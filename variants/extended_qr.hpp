@@ -69,7 +69,7 @@ public:
     friend Step<T> rows_at_once(ExtendedQr& f, RowsOf<T> psi, OutputsOf<T> y) {
         auto const fold = [&](Index k) {
             NoPerturbation none;
-            f.rows_.rotate_in(f.L_, f.root_lambda_, f.z_, psi, y, k, true);
+            f.rows_.rotate_in(f.L_, f.root_lambda_, f.z_, psi, y, k);
             for (Index n = 0; n < f.rows_.together; ++n) {
                 T const eta = f.rows_.rotation(n, f.c_, f.s_);
                 f.turn_inverse(none);

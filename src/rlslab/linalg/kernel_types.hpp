@@ -329,7 +329,7 @@ template <class K>
 concept ByPanels = requires { K::corners; };
 
 /// RotateIn for `together` rows, the first to the last: row r has x + r ld and eta[r]. Its rotations are written to c +
-/// r ld and s + r ld, or nowhere if c is null. What is above the diagonal of L stays.
+/// r ld and s + r ld. What is above the diagonal of L stays.
 template <class T>
 struct RotateInRows {
     static constexpr int together = 4;

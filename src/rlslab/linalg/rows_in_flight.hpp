@@ -28,15 +28,14 @@ public:
     explicit RowsInFlight(Index size) : stride_(column_stride<T, N>(size)), buffer_(parts * stride_, size) {}
     static bool are_faster(Index d) { return d >= kernels::together_from; }
 
-    /// The rows from k on of psi (d x B) and y (B). The rotations are kept for rotation() if `kept`.
-    void rotate_in(StateMatrix<T, N>& L, T const& r, StateVector<T, N>& z, RowsOf<T> psi, OutputsOf<T> y, Index k,
-                   bool kept) {
+    /// The rows from k on of psi (d x B) and y (B).
+    void rotate_in(StateMatrix<T, N>& L, T const& r, StateVector<T, N>& z, RowsOf<T> psi, OutputsOf<T> y, Index k) {
         for (Index n = 0; n < together; ++n) {
             eta_[n] = y[k + n];
             std::copy_n(psi.col(k + n).data(), L.size(), part(n));
         }
         run_kernel<T, N>(kernels::RotateInRows<T>{L.size(), L.stride(), L.column(0), part(0), z.data(), eta_,
-                                                  kept ? part(together) : nullptr, part(2 * together), r});
+                                                  part(together), part(2 * together), r});
     }
     /// Row n's rotations, and what they leave of its y.
     T const& rotation(Index n, StateVector<T, N>& c, StateVector<T, N>& s) {

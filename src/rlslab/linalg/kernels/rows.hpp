@@ -192,12 +192,11 @@ struct Corner {
         eta.load(k.eta);
         advance<0>(k, i0, m);
         eta.store(k.eta);
-        if (k.c)
-            for (Index r = 0; r < count; ++r)
-                for (Index i = 0; i < m; ++i) {
-                    k.c[r * k.ld + i0 + i] = cosine(r, i);
-                    k.s[r * k.ld + i0 + i] = sine(r, i);
-                }
+        for (Index r = 0; r < count; ++r)
+            for (Index i = 0; i < m; ++i) {
+                k.c[r * k.ld + i0 + i] = cosine(r, i);
+                k.s[r * k.ld + i0 + i] = sine(r, i);
+            }
     }
     /// The corner's rotations, applied to block j0 below it.
     [[gnu::always_inline]] void apply(RotateInRows<T> const& k, Index i0, Index j0) const {
