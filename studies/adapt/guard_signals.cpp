@@ -306,8 +306,8 @@ Study const guard_signals{
                  return within(mine, {"arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
              own_result("docs/theory.md 86, band set before a run of an earlier edition")},
-            {"windup is signalled ln(1600 / p) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in most "
-             "runs; p is the variance that is watched",
+            {"windup is signalled ln(1600 / p) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in "
+             "most runs; p is the variance that is watched",
              [](Table const& t) {
                  return within(of(t, "windup"), {"arithmetic", "variant"},
                                Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); },

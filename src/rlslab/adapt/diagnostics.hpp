@@ -102,8 +102,8 @@ typename F::scalar trace(F& f) {
 }
 
 /// The variance of theta_j that a guard holds down: P_jj where P or a factor of it is stored. Where a factor of P^-1
-/// is, that of theta_j if theta_{j+1} ... theta_d are known, 1/R_jj^2 <= P_jj: one number, no substitution. Where P grows
-/// without bound, so does one of them: their product is det P (docs/theory.md 88).
+/// is, that of theta_j if theta_{j+1} ... theta_d are known, 1/R_jj^2 <= P_jj: one number, no substitution. Where P
+/// grows without bound, so does one of them: their product is det P (docs/theory.md 88).
 template <class Form>
 typename Form::scalar watched_variance(Form f, Index j)
     requires(!RecursiveLeastSquares<Form>)
@@ -223,9 +223,9 @@ typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
 
 // --- asymmetry -------------------------------------------------------------------------------------------------------
 
-/// Whether |P_ij - P_ji| <= share sqrt(P_ii P_jj), P in full storage: no unit of the parameters changes it. Not where
-/// one of the four is NaN or P_ii or P_jj negative. The roots are taken only where the smaller of P_ii and P_jj does not
-/// decide.
+/// Whether |P_ij - P_ji| <= share sqrt(P_ii P_jj), P in full storage: no unit of the parameters changes it. False where
+/// one of the four is NaN, or P_ii or P_jj negative. The roots are taken only where the smaller of P_ii and P_jj does
+/// not decide.
 template <Real T, int N>
 bool symmetric_within(PlainCovariance<T, N> f, T const& share, Index i, Index j) {
     T const difference = absolute(T(f.P(i, j) - f.P(j, i))), a = f.P(i, i), b = f.P(j, j);
