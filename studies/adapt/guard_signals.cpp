@@ -288,7 +288,7 @@ Study const guard_signals{
              [](Table const& t) {
                  return within(of(t, "threshold").where("size", 32.0), {}, mean("measured"), 6.3, 7.7);
              },
-             own_result("docs/theory.md 86: 7.0, to 10 %, set before the run")},
+             own_result("docs/theory.md 86: 7.0 to 10 %, set before the run")},
             {"d = 4: the share of outliers of 4 to 15 sigma that is seen is the predicted one, within 0.05",
              [](Table const& t) {
                  return difference(of(t, "caught"), {"at", "arithmetic", "variant"}, -0.05, 0.05);
@@ -306,8 +306,8 @@ Study const guard_signals{
                  return within(mine, {"arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
              own_result("docs/theory.md 86, band set before a run of an earlier edition")},
-            {"windup is signalled ln(1600 / p) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in most "
-             "runs; p is the variance that is watched",
+            {"windup is signalled ln(1600 / p) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in "
+             "most runs; p is the variance that is watched",
              [](Table const& t) {
                  return within(of(t, "windup"), {"arithmetic", "variant"},
                                Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); },

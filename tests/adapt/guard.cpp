@@ -328,7 +328,7 @@ TEST(Guarded, TellsOfAStateThatBroke) {
     EXPECT_FALSE((told_after<Ud<double, 4>, reporting>(lose).second));
 }
 
-/// Each pair of P is looked at once in d^2/2 rows: what is skew by more than the share is told of, what is by less is
+/// All pairs of P are looked at in d^2/2 rows: what is skew by more than the share is a breakdown, what is by less is
 /// not.
 TEST(Guarded, LooksAtEachPairOfP) {
     for (Index j = 1; j < 4; ++j)

@@ -101,9 +101,9 @@ typename F::scalar trace(F& f) {
     return sum;
 }
 
-/// The variance of theta_j that a guard holds down: P_jj where P or a factor of it is stored. Where a factor of P^-1 is,
-/// that of theta_j if theta_{j+1} ... theta_d are known, 1/R_jj^2 <= P_jj: one number, no substitution. Where P grows
-/// without bound, so does one of them: their product is det P (docs/theory.md 88).
+/// The variance of theta_j that a guard holds down: P_jj where P or a factor of it is stored. Where a factor of P^-1
+/// is, that of theta_j if theta_{j+1} ... theta_d are known, 1/R_jj^2 <= P_jj: one number, no substitution. Where P
+/// grows without bound, so does one of them: their product is det P (docs/theory.md 88).
 template <class Form>
 typename Form::scalar watched_variance(Form f, Index j)
     requires(!RecursiveLeastSquares<Form>)
@@ -223,16 +223,16 @@ typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
 
 // --- asymmetry -------------------------------------------------------------------------------------------------------
 
-/// Whether |P_ij - P_ji| <= share sqrt(P_ii P_jj), P in full storage: no unit of the parameters changes it. Not where one
-/// of the four is NaN or P_ii or P_jj negative. The roots are taken only where the smaller of P_ii and P_jj does not
-/// decide.
+/// Whether |P_ij - P_ji| <= share sqrt(P_ii P_jj), P in full storage: no unit of the parameters changes it. False where
+/// one of the four is NaN, or P_ii or P_jj negative. The roots are taken only where the smaller of P_ii and P_jj does
+/// not decide.
 template <Real T, int N>
 bool symmetric_within(PlainCovariance<T, N> f, T const& share, Index i, Index j) {
     T const difference = absolute(T(f.P(i, j) - f.P(j, i))), a = f.P(i, i), b = f.P(j, j);
     return difference <= share * (b < a ? b : a) || difference <= share * (square_root(a) * square_root(b));
 }
 
-/// Keeps P in full storage: but for a variant that is `mirrored`, whose P is symmetric by construction, nor what is around one.
+/// Keeps P in full storage, and is no variant that is `mirrored`, whose P is symmetric by construction, nor around one.
 template <class F>
 concept MayLoseSymmetry = NamesItsForm<F> && !requires { requires F::mirrored; } &&
                           requires(F f, typename F::scalar x) { symmetric_within(f.form(), x, Index(0), Index(0)); };

@@ -60,18 +60,19 @@ struct GuardOptions {
 };
 
 /// F, with every row looked at before it is committed, and P after it, in O(d) besides the update (d^2/2 more where F
-/// holds a factor of P^-1, or follows a rule):
+/// holds a factor of P^-1, up to d^2 where it follows a rule):
 ///
-///   (1) s, y^2 <= 2^(E/2) and e finite, or |psi|^2, y^2 <= 2^(E/2), E the arithmetic's largest exponent, else unusable: no bit of F changes
+///   (1) y^2 <= 2^(E/2), and s is, too, and e finite, or |psi|^2 <= 2^(E/2); else unusable: no bit of F changes. E is
+///       the arithmetic's largest exponent
 ///   (2) e and s of the update; an outlier where e^2 lambda / s > c^2 s2; 5 outliers among 6 rows are a change. What
 ///       rounding makes of e is allowed for besides. s <= 0 or NaN is left to the step's health
 ///   (3) the rest of the update; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20
 ///       numbers gamma e^2 on, over 0.455. Until then, and again after a reset, (2) is not made
-///   (4) j = k mod d, p = P_jj, or 1/R_jj^2 where F holds a factor of P^-1 (watched_variance): breakdown where p <= 0 or
-///       is not finite, windup where p > largest_variance; capped by the row sqrt(r) e_j, r = 1/largest_variance - 1/p,
-///       of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
-///   (5) P in full storage: breakdown where |P_ij - P_ji| > asymmetry sqrt(P_ii P_jj), one pair a row, each of them once
-///       in d^2/2 rows
+///   (4) j = k mod d, p = P_jj, or 1/R_jj^2 where F holds a factor of P^-1 (watched_variance): breakdown where p <= 0
+///       or is not finite, windup where p > largest_variance; capped by the row sqrt(r) e_j, r = 1/largest_variance -
+///       1/p, of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
+///   (5) P in full storage: breakdown where |P_ij - P_ji| > asymmetry sqrt(P_ii P_jj), one pair a row, all of them in
+///       d^2/2 rows
 ///
 /// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
 /// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E

@@ -1,4 +1,5 @@
-// An update in two steps: what a row shows, e and s, before it changes anything; then the rest of the update, or nothing.
+// An update in two steps: what a row shows, e and s, before it changes anything; then the rest of the update, or
+// nothing.
 #pragma once
 
 #include <rlslab/adapt/diagnostics.hpp>
@@ -28,7 +29,10 @@ Innovation<T> look(NormalEquations<T, N> f, Regressor<T> psi, T const& y) {
 /// e and s of the row: F's own where it LooksFirst, else from its form, else those of the filter that F is around.
 /// Changes nothing that a later answer depends on. Throws std::invalid_argument unless psi has d numbers.
 template <class F, class T>
-Innovation<T> look_at(F& f, Regressor<T> psi, T const& y) {
+Innovation<T> look_at(F& f, Regressor<T> psi, T const& y)
+    requires(
+        requires { f.look(psi, y); } || requires { look(f.form(), psi, y); } || requires { f.look_inside(psi, y); })
+{
     if constexpr (requires { f.look(psi, y); }) return f.look(psi, y);
     else if constexpr (requires { look(f.form(), psi, y); }) return look(f.form(), psi, y);
     else return f.look_inside(psi, y);
