@@ -138,7 +138,7 @@ TEST(State, OfAnEarlierEditionIsTakenWhereThatIsSaid) {
         Bytes const bytes = detail::bytes_of(file_of(entry, version));
         EXPECT_EQ(load(f, bytes), StateFault::edition) << version;
         ASSERT_EQ(load(f, bytes, Edition::any), StateFault::none) << version;
-        EXPECT_TRUE(same_numbers(Vector<double>(f.theta()), theta)) << version;
+        EXPECT_TRUE(same_numbers(Vector<Reference>(f.theta().cast<Reference>()), theta)) << version;
     }
 }
 TEST(State, FilesOfEachVersionAreThere) {
