@@ -48,7 +48,7 @@ public:
     static constexpr std::string_view name = "qr_block";
     static constexpr Family family{Family::wide_qr};
     static constexpr bool starts_without_prior = true;
-    static constexpr Index block = 256;
+    static constexpr int edition = 2; static constexpr Index block = 256;
 
     explicit QrBlock(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),

@@ -157,7 +157,7 @@ TEST(State, OfAnOlderEditionOfQrBlockGoesOnRowByRow) {
         QrBlock<double> f(laws::problem(4, 0.96875));
         EXPECT_EQ(load(f, bytes), StateFault::edition) << version;
         ASSERT_EQ(load(f, bytes, Edition::any), StateFault::none) << version;
-        EXPECT_TRUE(same_numbers(Vector<double>(f.theta()), theta)) << version;
+        EXPECT_TRUE(same_numbers(Vector<Reference>(f.theta().cast<Reference>()), theta)) << version;
     }
 }
 TEST(State, FilesOfEachVersionAreThere) {

@@ -13,7 +13,7 @@ struct PanelAtWork {
 
     [[gnu::always_inline]] explicit PanelAtWork(ReflectPanel<T> const& panel)
         : h(panel), count(int(std::min<Index>(most, h.columns - 1))),
-          turned(int(std::min<Index>(h.columns, h.columns <= count + most ? 2 * most : count))) {}
+          turned(h.columns <= count + most ? int(h.columns) : count) {}
     [[gnu::always_inline]] T* column(Index j) const { return h.A + j * h.ld; }
     /// What stands above column j in the row of reflection q.
     [[gnu::always_inline]] T& above(Index q, Index j) const {
@@ -112,7 +112,8 @@ template <class P, int C, bool change, bool sum, bool own, class T = typename P:
 template <class P, int C, bool change, bool sum, class T>
 [[gnu::always_inline]] inline void pass_on(PanelAtWork<T>& panel, int q, int j, Index n) {
     T const *const v = panel.column(change ? q : 0), *const next = panel.column(sum ? q + 1 : 0);
-    for (; j + C <= panel.turned; j += C)
+    int const end = std::min(panel.turned, 2 * panel.most);  // g++ 12 warns of columns that there are not
+    for (; j + C <= end; j += C)
         pass_over<P, C, change, sum, false>(v, next, n, panel.column(j), panel.h.ld, panel.t + j, panel.s + j);
     if constexpr (C > 1) pass_on<P, C / 2, change, sum>(panel, q, j, n);
 }
