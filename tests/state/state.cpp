@@ -153,7 +153,8 @@ TEST(State, OfAnOlderEditionLoadsWhereThatIsSaid) {
 TEST(State, OfAnOlderEditionOfQrBlockGoesOnRowByRow) {
     Vector<Reference> const theta = in_the_file(*find_entry("qr_block"))->theta();
     for (std::string const version : {"1", "2"}) {
-        Bytes const bytes = detail::bytes_of(RLSLAB_SOURCE_DIR "/tests/data/state/" + version + "/qr_block-double.state");
+        Bytes const bytes =
+            detail::bytes_of(RLSLAB_SOURCE_DIR "/tests/data/state/" + version + "/qr_block-double.state");
         QrBlock<double> f(laws::problem(4, 0.96875));
         EXPECT_EQ(load(f, bytes), StateFault::edition) << version;
         ASSERT_EQ(load(f, bytes, Edition::any), StateFault::none) << version;
