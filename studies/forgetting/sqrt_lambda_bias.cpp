@@ -42,7 +42,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({1 / (1 - lambda), law, measured, measured - law});
 }
 
-std::vector<std::string> const roots{"potter", "carlson", "inverse_qr", "qr"};
+std::vector<std::string> const roots{"potter", "carlson", "inverse_qr"};
+constexpr double of_qr = 1 + 1.0 / size;  ///< times the law: its first row has it twice
 Table in_double(Table const& t) { return t.where("arithmetic", "double"); }
 Table large(Table const& t, bool is) {
     return t.where("predicted", [=](double p) { return (std::abs(p) > 100) == is; });
@@ -73,9 +74,9 @@ Study const sqrt_lambda_bias{
 \frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})tex",
     .interpretation =
         "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it "
-        "1/(1 - lambda) times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, "
-        "qr and inverse_qr have lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a "
-        "bias, which no averaging removes, and for most lambda the whole of the square-root forms' error. A lambda "
+        "1/(1 - lambda) times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike but qr, "
+        "whose substitution takes the rounded root twice in the first row of R, and has 1 + 1/d of it (exactly, "
+        "inverse_qr has lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging removes, and for most lambda the whole of the square-root forms' error. A lambda "
         "that is the square of a short number has none. ud, gentleman and the forms of P and P^-1 use lambda itself. "
         "extended_qr carries the inverse factor without correction, and drifts around the law. In float carlson and "
         "inverse_qr have a drift of their own on top (study inverse_qr_drift).",
@@ -101,7 +102,7 @@ Study const sqrt_lambda_bias{
                .guides = {{"the law", [](double p) { return p; }}}}},
     .claims =
         {
-            {"double, predicted bias beyond 100 u: potter, carlson, inverse_qr and qr have it to 10 %",
+            {"double, predicted bias beyond 100 u: potter, carlson and inverse_qr have it to 10 %",
              [](Table const& t) {
                  return within(large(in_double(t), true).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9,
                                1.1);
@@ -126,14 +127,20 @@ Study const sqrt_lambda_bias{
                  return within(others, {"lambda", "variant"}, mean_of("bias"), -15, 15);
              },
              own_result("first edition, set after its run")},
-            {"float, predicted bias beyond 100 u: potter and qr have it to 10 %",
+            {"float, predicted bias beyond 100 u: potter has it to 10 %",
              [](Table const& t) {
-                 Table const rows = large(t.where("arithmetic", "float"), true).where("variant", {"potter", "qr"});
-                 return within(rows, {"lambda", "variant"}, ratio(), 0.9, 1.1);
+                 Table const rows = large(t.where("arithmetic", "float"), true).where("variant", "potter");
+                 return within(rows, {"lambda"}, ratio(), 0.9, 1.1);
              },
              own_result("docs/theory.md 39, and 10 % of it")},
-            {"extended_qr strays from the law: in most runs by more than 40 u in double, where the four others stay "
-             "within 40",
+            {"float and double, predicted bias beyond 100 u: qr has 1 + 1/d of it to 10 %",
+             [](Table const& t) {
+                 return within(large(t, true).where("variant", "qr"), {"arithmetic", "lambda"}, ratio(), 0.9 * of_qr,
+                               1.1 * of_qr);
+             },
+             own_result("docs/theory.md 39, after a run had shown a quarter more than the law of the other forms")},
+            {"extended_qr strays from the law: in most runs by more than 40 u in double, where potter, carlson and "
+             "inverse_qr stay within 40",
              [](Table const& t) {
                  Statistic const stray = [](Table const& at) {
                      return std::max(greatest("excess")(at), -least("excess")(at));
