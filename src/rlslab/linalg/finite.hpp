@@ -337,9 +337,8 @@ public:
     /// below 2^(min_exp + p), and the underflow of a product, are below u^2 of n_j^2. False for a column that has
     /// always been zero.
     Truth<T> products_in_range() const {
-        using Traits = ArithmeticTraits<T>;
-        constexpr int least = Traits::min_exp + 3 * Traits::digits, most = Traits::max_exp - 8;
-        if constexpr (least >= most) return Truth<T>(false);
+        int const least = min_exponent<T>() + 3 * significand_bits<T>(), most = max_exponent<T>() - 8;
+        if (least >= most) return Truth<T>(false);
         Bound const above(std::ldexp(1.0, std::max(least, -1000))), below(std::ldexp(1.0, std::min(most, 1000)));
         Truth<T> in_range = above < right_ && right_ < below;
         for (Index j = 0; j < squares_.size(); ++j) in_range = in_range && above < squares_[j] && squares_[j] < below;
