@@ -311,13 +311,6 @@ public:
             x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : detail::finite_solutions<T, N>(L, D, z, psi, x);
     }
-    /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d
-    /// numbers.
-    void add(RealOf<T> const& lambda, T const* psi, T const& y, StateMatrix<T, N> const& L) {
-        auto const square_of = update(lambda, psi, y);
-        for (Index j = 0; j < squares_.size(); ++j) square_of(j);
-        determined_ = nonsingular(L);
-    }
     /// The same for a block: add_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite
     /// afterwards.
     template <class Block>
