@@ -4,6 +4,8 @@
 #include "tests/adapt/adapt.hpp"
 
 #include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/information.hpp>
@@ -105,6 +107,18 @@ TEST(Guarded, NeverShowsTheFilterWhatIsNotFinite) {
     bare.update({1.0, NAN, 0.0, 0.0}, 1.0);
     run_rows(bare, 500, Seed{1});
     EXPECT_TRUE(std::isnan(bare.theta()[0]));
+}
+/// Also where P is indefinite and s negative; and in a format that only the run knows the range is that format's.
+TEST(Guarded, NeverShowsTheFilterWhatIsOutOfRange) {
+    auto g = warm<Conventional<double, 4>, reporting>();
+    g.form().P(1, 1) = -1e-3;
+    EXPECT_EQ(g.update({0.0, 1e200, 0.0, 0.0}, 1.0).health, Health::nonfinite);
+    EXPECT_EQ(g.signal(), GuardSignal::unusable);
+    PrecisionScope const precision(RunTimeFormat{binary16});
+    using T = VariablePrecision;
+    Guarded<Ud<T, 1>, reporting> of_the_run({.size = 1, .prior = Prior<T>{.variance = T(1)}});
+    of_the_run.update({T(1000)}, T(1));
+    EXPECT_EQ(of_the_run.signal(), GuardSignal::unusable);
 }
 /// Scales far from 1, against the model: what the squares of the arithmetic cannot hold is kept out; what it took for
 /// data is forgotten as lambda^k, ln(2^500) / 0.02 = 17 000 rows at most.
@@ -284,6 +298,18 @@ void check_windup_of_information() {
     EXPECT_LE(most, 1600 * std::pow(lambda, -4) * (1 + 1e-9)) << F::name;
     EXPECT_GT(g.counts().windups, 0) << F::name;
     EXPECT_GT(watched.counts().windups, 10000) << F::name;
+}
+/// In binary16 R_jj = 335 has a square that overflows, and P_jj = 8.9e-6 is a number.
+TEST(Guarded, KnowsAFactorWhoseSquareOverflowsForSound) {
+    Guarded<Qr<Half, 4>, reporting> g({.forgetting = Half(0.999), .prior = Prior<Half>{.variance = Half(100)}});
+    Seed rows{71};
+    double x[4];
+    for (int k = 0; k < 3000; ++k) {
+        Half const y(draw(rows, x));
+        g.update({Half(10 * x[0]), Half(10 * x[1]), Half(10 * x[2]), Half(10 * x[3])}, y);
+    }
+    EXPECT_GT(double(g.filter().stored().F(0, 0)), 256);
+    EXPECT_EQ(g.counts().breakdowns, 0);
 }
 TEST(Guarded, CapsWindupOfAFactorOfTheInformation) {
     check_windup_of_information<Qr<double, 4>>();

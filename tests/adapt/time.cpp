@@ -153,6 +153,9 @@ TEST(Symmetry, IsHeldAgainstTheRootOfBothVariances) {
     P(1, 1) = 4;
     P(1, 2) = NAN;
     EXPECT_FALSE(symmetric_within(f, 1.0, 1, 2));
+    P(1, 2) = P(2, 1) = 0;
+    P(2, 2) = NAN;
+    EXPECT_FALSE(symmetric_within(f, 1.0, 1, 2) || symmetric_within(f, 1.0, 2, 1));
     static_assert(MayLoseSymmetry<JosephRankTwo<double>> && !MayLoseSymmetry<Symmetric<double>> &&
                   !MayLoseSymmetry<Forgetting<Symmetric<double>, RotatingRidge<double>>> &&
                   !MayLoseSymmetry<Potter<double>>);

@@ -8,6 +8,7 @@
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/core/random.hpp>
+#include <rlslab/variants/qr_block.hpp>
 
 #include <gtest/gtest.h>
 
@@ -185,6 +186,32 @@ TEST(RunTimeFormat, VariantsGiveTheBitsOfTheArithmeticThatIsCompiledIn) {
             EXPECT_TRUE(laws::identical(f->stored(), g->stored())) << e->variant << ' ' << name;
             EXPECT_TRUE(laws::identical(f->theta(), g->theta())) << e->variant << ' ' << name;
         }
+}
+
+/// A block's reflections by panels, too, where the format's squares are in range, and where they are not.
+template <Format F>
+void expect_the_blocks_of_chopped() {
+    auto const theta_of = [](auto one, double scale) {
+        using T = decltype(one);
+        QrBlock<T> f({.size = 10, .forgetting = T(1), .prior = std::nullopt});
+        Seed seed{5};
+        Matrix<T> const psi = Matrix<T>::NullaryExpr(10, 40, [&] { return T(scale * seed.bell()); });
+        Vector<T> const y = Vector<T>::NullaryExpr(40, [&] { return T(scale * seed.bell()); });
+        f.update_block(psi, y);
+        std::vector<double> theta;
+        for (T const& x : f.theta()) theta.push_back(double(x));
+        return theta;
+    };
+    PrecisionScope const precision(RunTimeFormat{F});
+    for (double scale : {0x1p-11, 1.0, 100.0}) {
+        auto const expected = theta_of(Chopped<F>(1), scale);
+        EXPECT_TRUE(std::isfinite(expected[0])) << scale;
+        EXPECT_EQ(theta_of(VariablePrecision(1), scale), expected) << scale;
+    }
+}
+TEST(RunTimeFormat, BlocksGiveTheBitsOfTheArithmeticThatIsCompiledIn) {
+    expect_the_blocks_of_chopped<binary16>();
+    expect_the_blocks_of_chopped<bfloat16>();
 }
 
 TEST(RunTimeFormat, AFilterKeepsTheFormatInWhichItWasMade) {

@@ -112,7 +112,8 @@ typename Form::scalar watched_variance(Form f, Index j)
 }
 template <class T, int N>
 T watched_variance(RootInformation<T, N> f, Index j) {
-    return T(1) / (f.L(j, j) * f.L(j, j));
+    T const by = T(1) / f.L(j, j);  // R_jj^2 may overflow where 1/R_jj^2 is a number
+    return by * by;
 }
 template <class T, int N>
 T watched_variance(UnitInformation<T, N> f, Index j) {
@@ -229,7 +230,8 @@ typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
 template <Real T, int N>
 bool symmetric_within(PlainCovariance<T, N> f, T const& share, Index i, Index j) {
     T const difference = absolute(T(f.P(i, j) - f.P(j, i))), a = f.P(i, i), b = f.P(j, j);
-    return difference <= share * (b < a ? b : a) || difference <= share * (square_root(a) * square_root(b));
+    T const least = b < a || !(b == b) ? b : a;  // a NaN of either
+    return difference <= share * least || difference <= share * (square_root(a) * square_root(b));
 }
 
 /// Keeps P in full storage, and is no variant that is `mirrored`, whose P is symmetric by construction, nor around one.

@@ -62,8 +62,8 @@ struct GuardOptions {
 /// F, with every row looked at before it is committed, and P after it, in O(d) besides the update (d^2/2 more where F
 /// holds a factor of P^-1, up to d^2 where it follows a rule):
 ///
-///   (1) y^2 <= 2^(E/2), and s is, too, and e finite, or |psi|^2 <= 2^(E/2); else unusable: no bit of F changes. E is
-///       the arithmetic's largest exponent
+///   (1) y^2 <= 2^(E/2), and 0 < s <= 2^(E/2) and e is finite, or |psi|^2 <= 2^(E/2); else unusable: no bit of F
+///       changes. E is the arithmetic's largest exponent
 ///   (2) e and s of the update; an outlier where e^2 lambda / s > c^2 s2; 5 outliers among 6 rows are a change. What
 ///       rounding makes of e is allowed for besides. s <= 0 or NaN is left to the step's health
 ///   (3) the rest of the update; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20
@@ -108,7 +108,7 @@ public:
     Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
         : detail::AroundFilter<F, true>(filter), options_(options),
           lambda_(checked(problem, int(filter.theta().size())).forgetting),
-          limit_(T(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000)))), psi_(filter_.theta().size()),
+          limit_(T(std::ldexp(1.0, std::min(max_exponent<T>() / 2, 1000)))), psi_(filter_.theta().size()),
           theta_(psi_.size()), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(),
                 policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
@@ -128,7 +128,7 @@ public:
         expects(psi.size() == psi_.size(), "a regressor of the problem's size");
         ++counts_.rows;
         Innovation<T> const row = detail::look_at(filter_, psi, y);
-        if (!(row.s <= limit_ && y * y <= limit_ && is_finite(row.e)) && !usable(psi, y)) {  // (1)
+        if (!(T(0) < row.s && row.s <= limit_ && y * y <= limit_ && is_finite(row.e)) && !usable(psi, y)) {  // (1)
             ++counts_.unusable;
             signal_ = GuardSignal::unusable;
             return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};

@@ -16,8 +16,8 @@ namespace rlslab {
 ///   else as `reset`
 enum class Action : unsigned char { report, skip, cap, reset, rebuild, hand_over };
 
-/// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped
-/// whatever the policy.
+/// The action on each signal. Data that are not finite or out of range ((1) of guard.hpp) are skipped whatever the
+/// policy.
 struct GuardPolicy {
     Action outlier = Action::report;    ///< report or skip
     Action change = Action::report;     ///< report, reset

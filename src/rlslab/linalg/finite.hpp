@@ -311,13 +311,6 @@ public:
             x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : detail::finite_solutions<T, N>(L, D, z, psi, x);
     }
-    /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d
-    /// numbers.
-    void add(RealOf<T> const& lambda, T const* psi, T const& y, StateMatrix<T, N> const& L) {
-        auto const square_of = update(lambda, psi, y);
-        for (Index j = 0; j < squares_.size(); ++j) square_of(j);
-        determined_ = nonsingular(L);
-    }
     /// The same for a block: add_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite
     /// afterwards.
     template <class Block>
@@ -337,9 +330,8 @@ public:
     /// below 2^(min_exp + p), and the underflow of a product, are below u^2 of n_j^2. False for a column that has
     /// always been zero.
     Truth<T> products_in_range() const {
-        using Traits = ArithmeticTraits<T>;
-        constexpr int least = Traits::min_exp + 3 * Traits::digits, most = Traits::max_exp - 8;
-        if constexpr (least >= most) return Truth<T>(false);
+        int const least = min_exponent<T>() + 3 * significand_bits<T>(), most = max_exponent<T>() - 8;
+        if (least >= most) return Truth<T>(false);
         Bound const above(std::ldexp(1.0, std::max(least, -1000))), below(std::ldexp(1.0, std::min(most, 1000)));
         Truth<T> in_range = above < right_ && right_ < below;
         for (Index j = 0; j < squares_.size(); ++j) in_range = in_range && above < squares_[j] && squares_[j] < below;

@@ -1,4 +1,4 @@
-// The dense kernels by name: what each computes. Their texts are in isa/*.hpp; dispatch.hpp compiles and runs them.
+// The dense kernels by name: what each computes. Their texts are in kernels/*.hpp; dispatch.hpp compiles and runs them.
 //
 // A kernel is a struct that holds its arguments. d: numbers of a vector, and order of a matrix; ld: numbers from one
 // column of a matrix to the next, padded as in storage.hpp. Pointers are to the first number. Nothing is checked,
