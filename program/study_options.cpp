@@ -1,6 +1,7 @@
 // The options that every run of trials has, and such a run: whole, or a part of it.
 #include "program/study_options.hpp"
 #include "report/svg.hpp"
+#include "studies/engine/journal.hpp"
 #include "studies/engine/report.hpp"
 
 #include <rlslab/core/files.hpp>
@@ -105,9 +106,8 @@ std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun
     create_folder(out / "figures");
     for (char const* part : {"", ".trials", "figures"}) remove_leftovers(out / part);
     keep_when_stopped(run);
-    std::error_code error;
     if (run.fresh)
-        for (Study const* study : chosen) std::filesystem::remove(out / ".trials" / study->name, error);
+        for (Study const* study : chosen) forget_trials(out / ".trials", study->name);
     std::vector<Outcome> const outcomes = run_studies(chosen, run.options, progress_after_a_second("studying"));
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
