@@ -90,8 +90,8 @@ constexpr double after(double x, Format f) {
 
 }  // namespace detail
 
-/// x rounded to the nearest number of the format f, which fits_in_double, ties to even; infinity from the largest number
-/// plus half an ulp on.
+/// x rounded to the nearest number of the format f, which fits_in_double, ties to even; infinity from the largest
+/// number plus half an ulp on.
 ///
 /// It needs no tail: if the result of two p-bit operands is rounded to double and then here, the outcome is that of one
 /// rounding. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the
