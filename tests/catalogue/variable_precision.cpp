@@ -195,7 +195,7 @@ Vector<double> stored_by_qr() {
     auto const stored = [](double x) { return T(x); };
     Qr<T> filter(laws::problem(3, 0.75).mapped<T>(stored));
     for (Index k = 0; k < records.rows(); ++k)
-        filter.update(Vector<T>(records.sample(k).unaryExpr(stored)), T(records.y[k]));
+        filter.update(Vector<T>(records.psi.col(k).unaryExpr(stored)), T(records.y[k]));
     Vector<double> out(9);
     for (Index i = 0; i < 9; ++i) out[i] = double(filter.information()(i % 3, i / 3));
     return out;
