@@ -76,6 +76,11 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
         }
     }
     for (Cell const& variant : out.back().values) variants.push_back(std::get<std::string>(variant));
+    bool any = variants.empty();
+    for (Cell const& name : out[3].values)
+        for (CatalogueEntry const* const entry : entries_in(arithmetic_named(std::get<std::string>(name), "")))
+            any = any || std::ranges::find(variants, entry->variant) != variants.end();
+    if (!any) throw InputError("--vary: expected a variant that exists in one of the arithmetics");
     out.back() = {"row_order", {}};
     for (int i = 1; i <= sweep.row_orders; ++i) out.back().values.emplace_back(double(i));
     return out;

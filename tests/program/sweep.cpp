@@ -123,6 +123,7 @@ TEST_F(Program, RefusesWhatASweepCannotVary) {
     refused(sweep + "--vary arithmetic=p1", "--vary arithmetic p1");
     refused(sweep + "--vary variant=udd", "--vary variant udd ud");
     refused(sweep + "--vary forgetting=1 --vary forgetting=0.9", "--vary forgetting twice");
+    refused(sweep + "--vary variant=qr_sparse --vary arithmetic=float,p11", "--vary variant that exists");
     refused(sweep + "--fresh --part 1/2", "--fresh --part");
     EXPECT_FALSE(fs::exists(folder / "none"));
 }
