@@ -83,9 +83,10 @@ std::string manual_page(CLI::App const& app) {
     out +=
         ".SH FILES\n" +
         listed("\\fI" + roff("DIR/.trials/") + "\\fR",
-               "What a study has finished, one line for each trial. The next run goes on from there.") +
+               "What a study or a sweep has finished, one line for each trial. The next run goes on from there.") +
         listed("\\fI" + roff("DIR/NAME.csv, DIR/verdicts.json, DIR/verdicts.csv, DIR/report.html") + "\\fR",
-               "What a study found. Each is written beside and then renamed: it is there whole or as it was before.");
+               "What a study or a sweep found. Each is written beside and then renamed: it is there whole or as it was "
+               "before.");
     return out;
 }
 

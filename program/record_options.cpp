@@ -147,10 +147,11 @@ std::vector<std::string> regressor_texts(Columns const& data, RecordArguments co
 
 }  // namespace
 
-Question question_of(RecordArguments a) {
+Question question_of(RecordArguments a, std::optional<Columns>* kept) {
     a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
     Model const model = model_of(a);
-    Columns data = read_data({a.file, a.format}, model.columns);
+    Columns data = kept && *kept ? **kept : read_data({a.file, a.format}, model.columns);
+    if (kept && !*kept) *kept = data;
     Question out;
     out.model.file = printable(data.file, 200);
     out.sha256 = data.sha256, out.rows = data.rows();

@@ -4,6 +4,8 @@
 #include "compare/compare.hpp"
 #include "program/commands.hpp"
 
+#include <optional>
+
 namespace rlslab::program {
 
 struct RecordArguments {
@@ -28,7 +30,9 @@ struct Question {
     std::string sha256;  ///< of the file
     long rows = 0;       ///< of the file
 };
-/// The records the options describe; reads the file once the options make sense. Throws InputError.
-Question question_of(RecordArguments arguments);
+/// The records the options describe; reads the file once the options make sense. `kept`: the file's columns, which are
+/// read if it is empty and taken from it otherwise, for several models of the same columns; standard input can be read
+/// but once. Throws InputError.
+Question question_of(RecordArguments arguments, std::optional<Columns>* kept = nullptr);
 
 }  // namespace rlslab::program

@@ -11,7 +11,6 @@
 #include <rlslab/input/text.hpp>
 
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -99,29 +98,12 @@ std::string run_json(StudyArguments const& a) {
     return out.dump(1) + '\n';
 }
 
-/// The text of DIR/.trials/run.json; "" if there is none. Throws InputError for what is no file of its size.
-std::string run_of(std::string const& folder) {
-    std::filesystem::path const path = std::filesystem::path(folder) / ".trials" / "run.json";
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return "";
-    if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
-        throw InputError(
-            fmt::format("{}: expected the file that rlslab study --part writes", printable(path.string(), 200)));
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 int study_part(StudyArguments const& a) {
     check_part(a);
     if (!a.record.empty()) throw InputError("--record: does not go with --part: a part has no verdicts");
     create_folder(a.options.out / ".trials");
     FolderLock const lock(a.options.out, a.part);
-    std::string const before = run_of(a.out), run = run_json(a);
-    if (!before.empty() && before != run)
-        throw InputError(fmt::format(
-            "{}: holds parts of other studies, another budget or seed; expected another --out, or that run finished",
-            printable(a.out, 200)));
-    replace_file(a.options.out / ".trials" / "run.json", run);
+    note_run(a, run_json(a), "other studies, another budget or seed");
     tell(part_text(a, run_share(a.chosen, a), " (or rlslab merge)"));
     return 0;
 }
@@ -188,7 +170,7 @@ StudyArguments arguments_of(std::string const& run, std::string const& folder, s
 int run_merge(MergeArguments const& m) {
     std::string run;
     for (std::string const& folder : m.from) {
-        std::string const text = run_of(folder);
+        std::string const text = noted_run(folder);
         if (text.empty())
             throw InputError(
                 fmt::format("{}: expected the --out folder of rlslab study --part, found no .trials/run.json there",
@@ -248,7 +230,7 @@ Command study_command(CLI::App& app) {
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("quick|full");
-    define_run(*studying, *st, "of all random data; default 1");
+    define_run(*studying, *st, "of all random data; default 1", ", or into folders for rlslab merge");
     studying
         ->add_option("--record", st->record,
                      "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")

@@ -1,6 +1,7 @@
 // The options that every run of trials has, and such a run: whole, or a part of it.
 #include "program/study_options.hpp"
 #include "report/svg.hpp"
+#include "studies/engine/journal.hpp"
 #include "studies/engine/report.hpp"
 
 #include <rlslab/core/files.hpp>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
+#include <fstream>
 #include <optional>
 
 namespace rlslab::program {
@@ -36,7 +38,7 @@ void keep_when_stopped(StudyRun const& run) {
 
 }  // namespace
 
-void define_run(CLI::App& command, StudyRun& run, char const* seed_help) {
+void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char const* or_merge) {
     define_seed(command, run.options.seed, seed_help);
     command
         .add_option("--threads", run.options.threads,
@@ -51,8 +53,8 @@ void define_run(CLI::App& command, StudyRun& run, char const* seed_help) {
     command
         .add_option_function<std::string>(
             "--part", [&run](std::string const& text) { run.part = *part_of(text); },
-            "run the trials of part I of N alone: on other machines, into one folder that all see, or into folders for "
-            "rlslab merge")
+            fmt::format("run the trials of part I of N alone: on other machines, into one folder that all see{}",
+                        or_merge))
         ->check([](std::string const& text) {
             return part_of(text)
                        ? ""
@@ -66,6 +68,25 @@ void check_part(StudyRun const& run) {
     if (run.fresh)
         throw InputError(
             "--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
+}
+
+std::string noted_run(std::string const& folder) {
+    std::filesystem::path const path = std::filesystem::path(folder) / ".trials" / "run.json";
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return "";
+    if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
+        throw InputError(
+            fmt::format("{}: expected the file that rlslab study --part writes", printable(path.string(), 200)));
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void note_run(StudyRun const& run, std::string const& text, char const* others) {
+    std::string const before = noted_run(run.out);
+    if (!before.empty() && before != text)
+        throw InputError(fmt::format("{}: holds parts of {}; expected another --out, or that run finished",
+                                     printable(run.out, 200), others));
+    replace_file(run.options.out / ".trials" / "run.json", text);
 }
 
 Share run_share(std::vector<Study const*> const& chosen, StudyRun const& run) {
@@ -85,9 +106,8 @@ std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun
     create_folder(out / "figures");
     for (char const* part : {"", ".trials", "figures"}) remove_leftovers(out / part);
     keep_when_stopped(run);
-    std::error_code error;
     if (run.fresh)
-        for (Study const* study : chosen) std::filesystem::remove(out / ".trials" / study->name, error);
+        for (Study const* study : chosen) forget_trials(out / ".trials", study->name);
     std::vector<Outcome> const outcomes = run_studies(chosen, run.options, progress_after_a_second("studying"));
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))

@@ -24,7 +24,8 @@ constexpr std::string_view factor_names[] = {"order", "forgetting", "prior", "ar
 
 /// What the trials share; they only read it.
 struct Given {
-    std::map<double, Records> records;  ///< by model order
+    std::map<double, Records> records;                              ///< by model order
+    std::map<std::pair<double, double>, Prior<double>> by_default;  ///< by model order and forgetting
     std::vector<std::string> variants;
     int row_orders;
     std::uint64_t seed;
@@ -58,7 +59,7 @@ Cell value_of(std::string const& factor, std::string const& text) {
 /// The factors in the order of factor_names, with the values that are varied or the default alone. Variants are none:
 /// all share a trial's reference.
 std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& variants) {
-    std::vector<Factor> out{{"order", {0.0}},
+    std::vector<Factor> out{{"order", {double(sweep.order)}},
                             {"forgetting", {1.0}},
                             {"prior", {std::string("scaled")}},
                             {"arithmetic", {std::string("float"), std::string("double")}},
@@ -75,6 +76,11 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
         }
     }
     for (Cell const& variant : out.back().values) variants.push_back(std::get<std::string>(variant));
+    bool any = variants.empty();
+    for (Cell const& name : out[3].values)
+        for (CatalogueEntry const* const entry : entries_in(arithmetic_named(std::get<std::string>(name), "")))
+            any = any || std::ranges::find(variants, entry->variant) != variants.end();
+    if (!any) throw InputError("--vary: expected a variant that exists in one of the arithmetics");
     out.back() = {"row_order", {}};
     for (int i = 1; i <= sweep.row_orders; ++i) out.back().values.emplace_back(double(i));
     return out;
@@ -90,18 +96,18 @@ std::vector<Index> order_of_rows(Index rows, int i, std::uint64_t seed) {
     return out;
 }
 
-Prior<double> prior_of(Cell const& value, Records const& records, double forgetting) {
+Prior<double> prior_of(Given const& given, Trial const& trial) {
+    Cell const& value = trial.value("prior");
     if (std::holds_alternative<double>(value)) return {.variance = std::get<double>(value)};
-    return default_prior(records, forgetting).prior();
+    return given.by_default.at({trial.number("order"), trial.number("forgetting")});
 }
 
 void measure(Given const& given, Trial const& trial, TrialOutput& out) {
     Records const& records = given.records.at(trial.number("order"));
     double const forgetting = trial.number("forgetting");
     Arithmetic const& arithmetic = arithmetic_named(trial.text("arithmetic"), "arithmetic");
-    Problem<double> const problem{.size = records.parameters(),
-                                  .forgetting = forgetting,
-                                  .prior = prior_of(trial.value("prior"), records, forgetting)};
+    Problem<double> const problem{
+        .size = records.parameters(), .forgetting = forgetting, .prior = prior_of(given, trial)};
     RoundedProblem const rounded = rounded_problem(
         records, problem, arithmetic.round, {order_of_rows(records.rows(), int(trial.number("row_order")), given.seed)},
         std::max(30, int(arithmetic.decimal_digits()) + 15));
@@ -123,21 +129,25 @@ std::vector<Plot> plots_of(std::vector<Factor> const& factors) {
     std::vector<Plot> out;
     bool several = false;
     for (Factor const& factor : factors) several = several || (factor.name == "arithmetic" && factor.values.size() > 1);
-    auto const add = [&](std::string const& x, std::string const& label, bool log) {
+    auto const add = [&](std::string const& x, std::string const& label, bool log,
+                         std::vector<std::pair<std::string, std::vector<std::string>>> const& where = {}) {
         out.push_back({.title = "Digits of the worst component of theta",
                        .x = x,
                        .y = "worst",
                        .panel = several && x != "bits" ? "arithmetic" : "",
                        .log = log ? "x" : "",
                        .x_label = label,
-                       .y_label = "digits"});
+                       .y_label = "digits",
+                       .where = where});
     };
     for (Factor const& factor : factors) {
-        size_t const numbers = size_t(std::ranges::count_if(
-            factor.values, [](Cell const& cell) { return std::holds_alternative<double>(cell); }));
-        if (numbers > 1 && factor.name == "forgetting") add("forgetting", "lambda", false);
-        if (numbers > 1 && factor.name == "prior") add("prior", "c^2 of P0", true);
-        if (numbers > 1 && factor.name == "order") add("order", "model order", false);
+        std::vector<std::string> numbers;  // "scaled" has no place on an axis
+        for (Cell const& cell : factor.values)
+            if (std::holds_alternative<double>(cell)) numbers.push_back(as_text(cell));
+        if (numbers.size() < 2) continue;
+        if (factor.name == "forgetting") add("forgetting", "lambda", false);
+        if (factor.name == "prior") add("prior", "c^2 of P0", true, {{"prior", numbers}});
+        if (factor.name == "order") add("order", "model order", false);
     }
     if (several) add("bits", "bits of the significand", false);
     return out;
@@ -152,9 +162,11 @@ Study study_of(Sweep const& sweep, std::uint64_t seed) {
     for (Cell const& order : factors[0].values) {
         double const value = std::get<double>(order);
         Records const& records = given->records[value] = sweep.records(int(value));
-        for (Cell const& forgetting : factors[1].values)
-            for (Cell const& prior : factors[2].values)
-                prior_of(prior, records, std::get<double>(forgetting));  // what it refuses, now
+        if (std::ranges::find(factors[2].values, Cell(std::string("scaled"))) == factors[2].values.end()) continue;
+        for (Cell const& forgetting : factors[1].values) {  // once for all orders of rows; what it refuses, now
+            double const lambda = std::get<double>(forgetting);
+            given->by_default.insert_or_assign({value, lambda}, default_prior(records, lambda).prior());
+        }
     }
     return {
         .name = "sweep",

@@ -10,6 +10,7 @@ namespace rlslab::program {
 struct Sweep {
     std::string record;  ///< what stands for the data in the report: file, hash, model
     std::vector<studies::FactorValues> vary;
+    int order = 0;                              ///< of the model that is given; 0: it has none
     int row_orders = 1;                         ///< the record's, and so many more, less one
     std::function<Records(int order)> records;  ///< of the model of this order; 0: of the one that is given
 };

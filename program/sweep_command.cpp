@@ -9,6 +9,9 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 namespace rlslab::program {
 using namespace report;
@@ -22,7 +25,7 @@ struct SweepArguments : StudyRun {
 };
 
 Sweep sweep_of(SweepArguments const& a, Provenance& run) {
-    Sweep out{.record = {}, .vary = {}, .row_orders = a.row_orders, .records = {}};
+    Sweep out{.record = {}, .vary = {}, .order = a.record.order, .row_orders = a.row_orders, .records = {}};
     bool orders = false;
     for (std::string const& text : a.vary) {
         FactorValues const values = factor_values_from(text, "--vary");
@@ -33,14 +36,24 @@ Sweep sweep_of(SweepArguments const& a, Provenance& run) {
     }
     if (orders && (a.record.order || a.record.na >= 0 || a.record.nb >= 0 || !a.record.regressors.empty()))
         throw InputError("--vary order: does not go with --order, --na, --nb or --regressors");
-    out.records = [&a, &run](int order) {
+    out.records = [&a, &run, columns = std::make_shared<std::optional<Columns>>()](int order) {
         RecordArguments record = a.record;
         if (order > 0) record.order = order;
-        Question const question = question_of(record);
+        bool const first = !columns->has_value();
+        Question const question = question_of(record, columns.get());
+        if (first)
+            for (std::string const& warning : question.model.warnings)
+                tell(fmt::format("rlslab: warning: {}\n", warning));
         run.file = question.model.file, run.sha256 = question.sha256, run.rows = question.rows;
         return question.records;
     };
     return out;
+}
+
+/// What the parts of a sweep have in common.
+std::string run_json(Provenance const& run) {
+    nlohmann::ordered_json const out{{"sweep", run.command}, {"sha256", run.sha256}};
+    return out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';  // a name need not be UTF-8
 }
 
 int run_sweep(SweepArguments& a) {
@@ -52,13 +65,16 @@ int run_sweep(SweepArguments& a) {
     study.source = fmt::format("{}, {} rows, sha256 {}", run.file, run.rows, run.sha256);
     a.options.run = run;
     create_folder(a.options.out / ".trials");
+    std::string const text = run_json(run);
     if (!a.part.whole()) {
         FolderLock const lock(a.options.out, a.part);
+        note_run(a, text, "another sweep, of other data, or of studies");
         tell(part_text(a, run_share({&study}, a), ""));
         return 0;
     }
     FolderLock const lock(a.options.out);
     std::vector<Outcome> const outcomes = run_whole({&study}, a);
+    if (noted_run(a.out) == text) std::filesystem::remove(a.options.out / ".trials" / "run.json");  // its parts are in
     print(fmt::format("{} trials, {} rows: {out}/sweep.csv, figures, and {out}/report.html\n", outcomes[0].trials,
                       outcomes[0].table.rows().size(), fmt::arg("out", a.out)));
     return 0;
@@ -76,8 +92,8 @@ Command sweep_command(CLI::App& app) {
         "The model's order:              rlslab sweep data.csv --input u --output y --vary order=1,2,4,8\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
         "Factors of --vary: variant (default all), arithmetic (float,double), forgetting (1), prior (scaled: to the "
-        "data, as rlslab compare does; or c^2 of P0 = c^2 I), order (of the ARX model, in place of --order). The folder "
-        "gets sweep.csv, a row for each variant and combination, figures, and report.html.\n\n"
+        "data, as rlslab compare does; or c^2 of P0 = c^2 I), order (of the ARX model, in place of --order). The "
+        "folder gets sweep.csv, a row for each variant and combination, figures, and report.html.\n\n"
         "Exit code: 0 it ran; 2 it could not.");
     define_record(*sweeping, a->record);
     sweeping->add_option("--vary", a->vary, "values of a factor; may be given for several")
@@ -86,7 +102,7 @@ Command sweep_command(CLI::App& app) {
         ->type_name("FACTOR=A,B");
     define_count(*sweeping, "--row-orders", a->row_orders, 1, 10000,
                  "so many orders of the rows, the record's first, where forgetting = 1; default 1");
-    define_run(*sweeping, *a, "of stochastic rounding and of the orders of rows; default 1");
+    define_run(*sweeping, *a, "of stochastic rounding and of the orders of rows; default 1", "");
     return {sweeping, [a] { return run_sweep(*a); }};
 }
 

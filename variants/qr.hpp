@@ -86,7 +86,7 @@ private:
     Innovation<T> solved(T e) {
         RealOf<T> s = undefined<RealOf<T>>();
         if constexpr (errors_are_relative<T>)
-            if (any(lengths_.determined()))
+            if (errors_are_relative_now<T>() && any(lengths_.determined()))
                 s = solve_rotations(L_, z_, lambda_, root_lambda_, x_, e, c_, s_, u_, before_, after_);
         return {e, s};
     }

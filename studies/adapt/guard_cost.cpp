@@ -22,8 +22,8 @@ Study const guard_cost{
                      d + O(1) \ \text{ in } qr, \qquad d^2 + 5 d + O(1) \ \text{ in } gentleman)tex",
     .interpretation =
         "Operations of a row, additions and multiplications and divisions alike, on good rows with the guard armed. "
-        "Where the update has a first step that changes nothing, e and s are its own, and a guard is O(1), one P_jj, or "
-        "in qr theta once in d rows, beside a filter's d^2. In gentleman it substitutes psi once more at every row, "
+        "Where the update has a first step that changes nothing, e and s are its own, and a guard is O(1), one P_jj, "
+        "or in qr theta once in d rows, beside a filter's d^2. In gentleman it substitutes psi once more at every row, "
         "for e and s. "
         "conventional breaks down by its asymmetry before it has seen the rows of d = 64. Nanoseconds stand in "
         "the bench.",

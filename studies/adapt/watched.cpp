@@ -2,9 +2,11 @@
 #include "studies/adapt/watched.hpp"
 
 #include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/core/input_error.hpp>
 #include <rlslab/core/random.hpp>
 
 #include <cmath>
+#include <fmt/format.h>
 
 namespace rlslab::studies {
 
@@ -20,6 +22,8 @@ std::vector<std::string> const& guarded_variants() {
 
 std::unique_ptr<Watched> watched(std::string_view variant, std::string_view arithmetic, std::string_view policy,
                                  Problem<double> const& problem, double innovation) {
+    if (arithmetic != "float" && arithmetic != "double")
+        throw InputError(fmt::format("guarded filters exist here in float and double, not in {}", arithmetic));
     auto const make = arithmetic == "float" ? watched_in_float(variant, policy) : watched_in_double(variant, policy);
     return make ? make(problem, innovation) : nullptr;
 }

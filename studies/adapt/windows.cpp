@@ -4,6 +4,7 @@
 #include "studies/adapt/corrected_downdate.hpp"
 
 #include <rlslab/adapt/window.hpp>
+#include <rlslab/core/input_error.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
 #include <rlslab/variants/conventional.hpp>
@@ -14,6 +15,7 @@
 #include <rlslab/variants/ud.hpp>
 
 #include <cmath>
+#include <fmt/format.h>
 #include <stdexcept>
 
 namespace rlslab::studies {
@@ -86,6 +88,8 @@ std::vector<std::string> const& windowed_variants() {
 std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_view arithmetic,
                                        Problem<double> const& problem, Index rows, Refactoring const& refactoring) {
     if (arithmetic == "float") return sliding_in<float>(variant, problem, rows, refactoring);
+    if (arithmetic != "double")
+        throw InputError(fmt::format("windows exist here in float and double, not in {}", arithmetic));
     return sliding_in<double>(variant, problem, rows, refactoring);
 }
 

@@ -122,6 +122,12 @@ void Journal::add(size_t trial, std::vector<std::string> const& lines) {
     if (!file_) cannot_write(path_);
 }
 
+void forget_trials(std::filesystem::path const& folder, std::string const& name) {
+    std::error_code error;
+    for (auto const& path : journals(folder))
+        if (study_of(path) == name) std::filesystem::remove(path, error);
+}
+
 std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders,
                                                            std::string const& name, std::string const& key) {
     Trials out;

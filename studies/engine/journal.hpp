@@ -46,6 +46,8 @@ public:
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
+/// Removes the journals of a study, of a whole run and of parts.
+void forget_trials(std::filesystem::path const& folder, std::string const& name);
 /// The finished trials in the folders' journals of one study. Throws InputError for a journal with another key.
 std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders,
                                                            std::string const& name, std::string const& key);

@@ -101,14 +101,15 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name,
                                   escaped(study.question));
     if (!study.formula.empty()) out += formula_html(study.formula);
-    out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
+    out += fmt::format("<p>{}</p>\n", escaped(study.interpretation));
+    if (!study.claims.empty()) out += "<ul class=\"claims\">\n";
     if (!outcome.changed.empty())
         out += fmt::format("<li class=\"undecided\"><b>not judged</b> factors changed: {}</li>\n",
                            escaped(outcome.changed));
     for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
             if (outcome.judgements[i].verdict == verdict) out += claim_html(study, i, outcome.judgements[i], false);
-    out += "</ul>\n";
+    if (!study.claims.empty()) out += "</ul>\n";
     for (Figure const& figure : drawn) out += figure_html(figure);
     out += fmt::format(
         "<details><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>{2}</details>\n",
@@ -133,16 +134,19 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
                                                                             : worst->verdict),
                                 outcome.study->name, escaped(outcome.study->question));
     }
+    // A sweep has no claims and one budget.
+    std::string const held_of = options.run ? ""
+                                            : fmt::format("{} of {} claims hold, in {} {}. ", held, claims,
+                                                          outcomes.size(), outcomes.size() == 1 ? "study" : "studies");
     return page(
-        "rlslab: studies",
+        options.run ? "rlslab: a sweep" : "rlslab: studies",
         fmt::format(
-            "<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{} of {} claims hold, in {} "
-            "{}. Every error is measured against the exact minimiser for the bits the variant was given, with a proven "
-            "bound. <span class=\"soft\">rlslab {} {}, {} budget, seed "
-            "{}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
-            held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
-            name_of(options.budget), options.seed, contents,
-            summary(outcomes) + sections + as_html(run_of(outcomes, options))));
+            "<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{}Every error is measured "
+            "against the exact minimiser for the bits the variant was given, with a proven bound. <span "
+            "class=\"soft\">rlslab {} {}, {}seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
+            held_of, RLSLAB_VERSION, revision, options.run ? "" : fmt::format("{} budget, ", name_of(options.budget)),
+            options.seed, contents,
+            (options.run ? "" : summary(outcomes)) + sections + as_html(run_of(outcomes, options))));
 }
 
 }  // namespace rlslab::studies

@@ -76,9 +76,12 @@ std::uint64_t identity() {
 
 /// It does not depend on the machine, the number of threads or the folder, so that the bytes of a table do not either.
 std::vector<std::string> provenance(Study const& study, RunOptions const& options) {
+    std::string command = command_of(study.name, options);
+    for (char& c : command)
+        if (c == '\n' || c == '\r') c = ' ';  // a word of it may hold one; each of these is one line
     return {fmt::format("study: {}", study.name),    fmt::format("question: {}", study.question),
             fmt::format("source: {}", study.source), fmt::format("revision: {} {}", RLSLAB_VERSION, revision),
-            fmt::format("compiler: {}", compiler),   "command: " + command_of(study.name, options)};
+            fmt::format("compiler: {}", compiler),   "command: " + command};
 }
 
 /// The trials of one study and their results.

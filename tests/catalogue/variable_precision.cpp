@@ -9,6 +9,7 @@
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/qr_block.hpp>
+#include <rlslab/variants/qr.hpp>
 
 #include <gtest/gtest.h>
 
@@ -212,6 +213,26 @@ void expect_the_blocks_of_chopped() {
 TEST(RunTimeFormat, BlocksGiveTheBitsOfTheArithmeticThatIsCompiledIn) {
     expect_the_blocks_of_chopped<binary16>();
     expect_the_blocks_of_chopped<bfloat16>();
+}
+
+/// The stored numbers of qr after 40 rows.
+template <class T>
+Vector<double> stored_by_qr() {
+    Records const records = laws::noise_records(3, 40, Seed{4});
+    auto const stored = [](double x) { return T(x); };
+    Qr<T> filter(laws::problem(3, 0.75).mapped<T>(stored));
+    for (Index k = 0; k < records.rows(); ++k)
+        filter.update(Vector<T>(records.psi.col(k).unaryExpr(stored)), T(records.y[k]));
+    Vector<double> out(9);
+    for (Index i = 0; i < 9; ++i) out[i] = double(filter.information()(i % 3, i / 3));
+    return out;
+}
+TEST(RunTimeFormat, QrTakesTheSamePathWhereSubnormalNumbersBeginHigh) {
+    constexpr Format F{11, -8, 15};  // -8 + 11 >= 0: errors are not relative
+    Vector<double> const compiled = stored_by_qr<Chopped<F>>();
+    PrecisionScope const precision(RunTimeFormat{F});
+    EXPECT_EQ(compiled, stored_by_qr<VariablePrecision>());
+    EXPECT_EQ(double(Eigen::NumTraits<VariablePrecision>::highest()), largest(F));
 }
 
 TEST(RunTimeFormat, AFilterKeepsTheFormatInWhichItWasMade) {

@@ -93,6 +93,12 @@ TEST_F(Program, SaysInOneLineWhatItCannotWrite) {
         EXPECT_EQ(closed.err, "rlslab: standard output: cannot write: Bad file descriptor\n") << command;
     }
 }
+TEST_F(Program, WritesNothingMeantForAClosedOutputIntoItsFiles) {
+    Outcome const closed = shell("rlslab sweep ok.csv --input u --output y --order 1 --vary variant=ud >&-");
+    EXPECT_EQ(closed.code, 2);
+    EXPECT_EQ(closed.err, "rlslab: standard output: cannot write: Bad file descriptor\n");
+    EXPECT_EQ(read(folder / "out/.lock"), "");
+}
 TEST_F(Program, LeavesNothingHalfWrittenOnAFullDisk) {
     fs::create_directory(folder / "disk");
     if (shell("mount -t tmpfs -o size=64k none disk").code != 0)

@@ -55,6 +55,10 @@ TEST_F(Program, VariesInPartsWithTheSameBytes) {
         EXPECT_EQ(read(folder / "merged" / file), read(folder / "whole" / file)) << file;
     refused("study gain_identities --out part1 --part 1/2", "holds parts of other studies");
 }
+TEST_F(Program, RefusesAnArithmeticThatAStudysFiltersDoNotHave) {
+    for (char const* study : {"guard_signals", "guard_policies", "window_downdating"})
+        refused(std::string("study ") + study + " --set arithmetic=p11", "exist here in float and double, not in p11");
+}
 TEST_F(Program, RefusesWhatIsNoFactorOrCannotBeOne) {
     std::string const study = "study gain_error ";
     refused(study + "--set kapa=1",

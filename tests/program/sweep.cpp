@@ -12,6 +12,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 /// The cells of the rows below the names of the columns.
 std::vector<std::map<std::string, std::string>> cells_of(std::string const& csv) {
@@ -74,6 +75,41 @@ TEST_F(Program, SweepsInPartsWithTheSameBytes) {
         EXPECT_EQ(read(folder / "whole" / file), read(folder / "parts" / file)) << file;
     EXPECT_EQ(cells_of(read(folder / "whole/sweep.csv")).size(), 12u);
 }
+TEST_F(Program, SweepsOrdersOfARecordFromStandardInput) {
+    std::string const sweep = "--input u --output y --vary variant=ud --vary order=1,2 ";
+    ASSERT_EQ(shell("rlslab sweep ok.csv " + sweep + "--out file").code, 0);
+    Outcome const piped = shell("cat ok.csv | rlslab sweep - " + sweep + "--out piped");
+    ASSERT_EQ(piped.code, 0) << piped.err;
+    EXPECT_EQ(without_run(read(folder / "piped/sweep.csv")), without_run(read(folder / "file/sweep.csv")));
+    ASSERT_EQ(shell("rlslab sweep ok.csv --input u --output y --order 2 --vary variant=ud --out one").code, 0);
+    for (auto const& row : cells_of(read(folder / "one/sweep.csv"))) EXPECT_EQ(row.at("order"), "2");
+}
+TEST_F(Program, DrawsASweepOverPriorsWithoutTheScaledOne) {
+    Outcome const swept = shell(
+        "rlslab sweep ok.csv --input u --output y --order 1 --vary prior=scaled,1e2,1e4,1e308 --vary variant=ud,qr");
+    ASSERT_EQ(swept.code, 0) << swept.err;
+    EXPECT_EQ(cells_of(read(folder / "out/sweep.csv")).size(), 16u);
+    EXPECT_THAT(read(folder / "out/figures/sweep-1.svg"), HasSubstr("c^2 of P0"));
+    std::string const page = read(folder / "out/report.html");
+    EXPECT_THAT(page, Not(HasSubstr("claims hold")));  // it has none
+    EXPECT_THAT(page, Not(HasSubstr("How many claims")));
+    EXPECT_THAT(page, Not(HasSubstr("full budget")));
+}
+TEST_F(Program, RefusesPartsOfTwoSweepsInOneFolder) {
+    std::string const sweep = "sweep ok.csv --input u --output y --order 1 --vary variant=ud --out shared ";
+    ASSERT_EQ(shell("rlslab " + sweep + "--part 1/2").code, 0);
+    refused(sweep + "--vary prior=1,2 --part 1/2", "holds parts of another sweep");
+    refused("study gain_identities --out shared --part 1/2", "holds parts of other studies");
+    refused("merge shared --out merged", "expected studies, budget and seed as rlslab study --part writes them");
+    ASSERT_EQ(shell("rlslab " + sweep).code, 0);
+    EXPECT_EQ(shell("rlslab " + sweep + "--vary prior=1,2 --part 1/2").code, 0);  // the other is finished
+}
+TEST_F(Program, WarnsInASweepOfAColumnThatCounts) {
+    write("counts.csv", "u,y\n" + rows(40, [](int k) { return std::to_string(k); }));
+    Outcome const swept = shell("rlslab sweep counts.csv --input u --output y --order 1 --vary variant=ud");
+    EXPECT_EQ(swept.code, 0) << swept.err;
+    EXPECT_THAT(swept.err, HasSubstr("rlslab: warning: column u counts upwards"));
+}
 TEST_F(Program, RefusesWhatASweepCannotVary) {
     std::string const sweep = "sweep ok.csv --input u --output y --order 1 --out none ";
     refused(sweep + "--vary kappa=1", "--vary kappa order forgetting prior arithmetic variant");
@@ -87,6 +123,7 @@ TEST_F(Program, RefusesWhatASweepCannotVary) {
     refused(sweep + "--vary arithmetic=p1", "--vary arithmetic p1");
     refused(sweep + "--vary variant=udd", "--vary variant udd ud");
     refused(sweep + "--vary forgetting=1 --vary forgetting=0.9", "--vary forgetting twice");
+    refused(sweep + "--vary variant=qr_sparse --vary arithmetic=float,p11", "--vary variant that exists");
     refused(sweep + "--fresh --part 1/2", "--fresh --part");
     EXPECT_FALSE(fs::exists(folder / "none"));
 }

@@ -59,6 +59,14 @@ struct Parts : Program {
     }
 };
 
+TEST_F(Parts, AreForgottenWithTheWhole) {
+    run_part(both, into("a"), {1, 2}, {});
+    measured.trials.clear();
+    forget_trials(folder / "a/.trials", "first");
+    run_studies(both, into("a"), {});
+    EXPECT_GE(measured.trials.size(), 37u);
+    EXPECT_LT(measured.trials.size(), 42u);  // those of the second are kept
+}
 TEST_F(Parts, TakeEachTrialOnceAndGiveTheBytesOfOneRun) {
     run_studies(both, into("whole"), {});
     auto const all = measured.trials;

@@ -90,7 +90,8 @@ constexpr double after(double x, Format f) {
 
 }  // namespace detail
 
-/// x rounded to the nearest number of the format f, which fits_in_double, ties to even; infinity from the largest number plus half an ulp on.
+/// x rounded to the nearest number of the format f, which fits_in_double, ties to even; infinity from the largest
+/// number plus half an ulp on.
 ///
 /// It needs no tail: if the result of two p-bit operands is rounded to double and then here, the outcome is that of one
 /// rounding. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the
@@ -127,9 +128,9 @@ constexpr double round_toward_zero(double head, double tail, Format f) {
 }
 
 /// head + tail rounded to one of its two neighbours: away from zero iff u < phi, where phi is the fraction of the way
-/// to the outer one and u = uniform() in [0, 1) has 53 bits. So the probability is phi to 2^-53, and the mean is the exact
-/// value. A number of the format stays, and draws nothing. The outer neighbour of the largest number is 2^(max_exp+1);
-/// a result of that size or more becomes infinity.
+/// to the outer one and u = uniform() in [0, 1) has 53 bits. So the probability is phi to 2^-53, and the mean is the
+/// exact value. A number of the format stays, and draws nothing. The outer neighbour of the largest number is
+/// 2^(max_exp+1); a result of that size or more becomes infinity.
 template <class Uniform>
 constexpr double round_stochastically(double head, double tail, Format f, Uniform&& uniform) {
     using namespace detail;
@@ -137,9 +138,9 @@ constexpr double round_stochastically(double head, double tail, Format f, Unifor
     double const size = magnitude(head), below = truncated(floor_of(head, tail), f);
     double chosen = below;
     if (below != size || tail != 0) {
-        // u < phi is u gap < (|head| - below) + tail. The left side below is exact: both terms are multiples of gap 2^-53
-        // and at most gap; or |head| < gap / 2 has finer bits, and then the difference is exact or too large for its
-        // rounding, or for the tail, to matter.
+        // u < phi is u gap < (|head| - below) + tail. The left side below is exact: both terms are multiples of gap
+        // 2^-53 and at most gap; or |head| < gap / 2 has finer bits, and then the difference is exact or too large for
+        // its rounding, or for the tail, to matter.
         double const above = after(below, f), gap = above - below;
         bool const up = uniform() * gap - (size - below) < outward(head, tail);
         // Added, because a branch on a random bit would be slow.

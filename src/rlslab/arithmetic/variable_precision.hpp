@@ -160,7 +160,7 @@ struct Encoding<VariablePrecision> : EncodingInDouble<VariablePrecision, detail:
 template <>
 struct Eigen::NumTraits<rlslab::VariablePrecision> : rlslab::detail::StorageTraits<rlslab::VariablePrecision> {
     using Number = rlslab::VariablePrecision;
-    static Number highest() { return Number(std::numeric_limits<double>::max()); }
+    static Number highest() { return Number(rlslab::largest(rlslab::PrecisionScope::format().format)); }
     static Number lowest() { return -highest(); }
     static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }
     static Number quiet_NaN() { return Number(std::numeric_limits<double>::quiet_NaN()); }

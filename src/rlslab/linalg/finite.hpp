@@ -53,6 +53,11 @@ using BoundOf = std::conditional_t<detail::fits_double<RealOf<T>>, double, RealO
 /// Whether a rounding error is relative to its number also where that is below 1: not in fixed point.
 template <Scalar T>
 inline constexpr bool errors_are_relative = ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits < 0;
+/// The same where the format is chosen at run time: also not in one whose subnormal numbers begin so high.
+template <Scalar T>
+constexpr bool errors_are_relative_now() {
+    return errors_are_relative<T> && min_exponent<T>() + significand_bits<T>() < 0;
+}
 
 /// For R upper triangular with columns of lengths n_j and pivots r_j: true proves that R x = b with |b|^2 <= right, and
 /// R'R K = psi with psi'K <= 1, are solved by substitution without an overflow of T. False proves nothing. n2(j) =
@@ -76,6 +81,7 @@ template <Scalar T, bool bounds_lengths = false, class LengthSquared, class Pivo
     } else if constexpr (!errors_are_relative<T>) {
         return false;
     } else {
+        if (!errors_are_relative_now<T>()) return false;
         Bound q(1), least(1), most = right;
         Index j = 0;
         if constexpr (requires { n2.two(j); }) {  // two quotients at a time, in two products: any order gives a bound
