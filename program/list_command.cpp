@@ -58,8 +58,8 @@ std::string arithmetics_text(Json& out) {
                                       {"rounding", rounding}});
     }
     text +=
-        "  and pN, N bits with double's exponents, as p11; or pN:EMIN:EMAX with a range, as p8:-126:127, and with\n"
-        "  :stochastic or :toward_zero after it\n";
+        "  and pN, N bits with double's exponents, as p11; pN:EMIN:EMAX with a range, as\n"
+        "  p8:-126:127; and with :stochastic or :toward_zero after it\n";
     return text;
 }
 

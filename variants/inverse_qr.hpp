@@ -46,7 +46,9 @@ public:
         multiply_upper_transposed(S_, psi.data(), a_, next_);                                            // (1)
         divide(a_, by_root_lambda_, a_);
         RealOf<T> const b = prefix_norms(a_, before_, b_);                                               // (2)
-        return {e, lambda_ * (b * b)};
+        UncountedScope<T> const aside;    // the update does not need s, and draws nothing for it
+        RealOf<T> const root_s = b / (RealOf<T>(1) + by_root_lambda_.correction());
+        return {e, root_s * root_s};
     }
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {

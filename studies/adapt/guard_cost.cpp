@@ -51,8 +51,8 @@ Study const guard_cost{
                .guides = {{"1 / d", [](double d) { return 1 / d; }}}}},
     .claims =
         {
-            {"a guard adds to a row so many operations for each parameter: 0 where P is stored (conventional to d = 16: "
-             "then it breaks), 1 where a triangular root and in qr, 1.5 in ud, 2 in potter, to 0.1",
+            {"a guard adds to a row so many operations for each parameter: 0 where P is stored (conventional to d = "
+             "16: then it breaks), 1 where a triangular root and in qr, 1.5 in ud, 2 in potter, to 0.1",
              [](Table const& t) {
                  auto const a_parameter = [&t](std::vector<std::string> const& variants, double v) {
                      return within(of(t, variants), {"variant"}, linear_slope("size", "extra").as(Estimate::fixed),

@@ -76,7 +76,8 @@ Study const sqrt_lambda_bias{
         "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it "
         "1/(1 - lambda) times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike but qr, "
         "whose substitution takes the rounded root twice in the first row of R, and has 1 + 1/d of it (exactly, "
-        "inverse_qr has lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging removes, and for most lambda the whole of the square-root forms' error. A lambda "
+        "inverse_qr has lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a "
+        "bias, which no averaging removes, and for most lambda the whole of the square-root forms' error. A lambda "
         "that is the square of a short number has none. ud, gentleman and the forms of P and P^-1 use lambda itself. "
         "extended_qr carries the inverse factor without correction, and drifts around the law. In float carlson and "
         "inverse_qr have a drift of their own on top (study inverse_qr_drift).",

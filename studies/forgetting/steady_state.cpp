@@ -143,8 +143,8 @@ Study const steady_state{
                  return a && b;
              },
              own_result("first edition, set after its run")},
-            {"P in double at lambda = 0.999, either pole: 773 u +- 10 % with a square root of lambda, but in qr; at most "
-             "80 u without",
+            {"P in double at lambda = 0.999, either pole: 773 u +- 10 % with a square root of lambda, but in qr; at "
+             "most 80 u without",
              [](Table const& t) {
                  Table const at = t.where("arithmetic", "double").where("lambda", 0.999);
                  Judgement const roots =

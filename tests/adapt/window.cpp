@@ -215,7 +215,7 @@ TEST(Windowed, StartsFromNothingAndForgetsInside) {
 }
 /// theta falls from 1000 to 1 on rows without noise. What is left of 1000 when the last such row has left, without an
 /// alarm: a row must leave with the weight that it has. The root of this lambda is rounded by 0.44 u, 1000 steps wear a
-/// row by that 2000 times.
+/// row by that 2000 times, in the first row of R 4000 times (docs/theory.md 39).
 double left_after_a_jump(Seed seed) {
     constexpr int rows = 1000;
     Windowed<Qr<float, 2>> w({.forgetting = 0.999009907f}, {.rows = rows, .worse = std::numeric_limits<float>::max()});
@@ -227,7 +227,7 @@ double left_after_a_jump(Seed seed) {
 }
 TEST(Windowed, TakesARowBackWithTheWeightThatItHas) {
     for (unsigned seed : {85, 86, 87})
-        EXPECT_LE(left_after_a_jump(Seed{seed}), 0.007) << seed;  // lambda^W for the weight leaves 0.012
+        EXPECT_LE(left_after_a_jump(Seed{seed}), 0.009) << seed;  // lambda^W for the weight leaves 0.012
 }
 /// Regression: a library's window, seeded for another covariance than it starts from, fails two downdates in its first
 /// window.

@@ -71,8 +71,8 @@ TEST(House, EveryPairOccursOnceInTheCatalogue) {
 TEST(House, AVariantIsAPageAndEndsWithItsClaim) {
     for (std::string const& name : variant_files()) {
         fs::path const file = root / "variants" / (name + ".hpp");
-        // The sparse variants carry their library's calling conventions besides the algorithm.
-        EXPECT_LE(lines(file), name.ends_with("_sparse") ? 115 : 100) << file;
+        // The sparse variants carry their library's calling conventions besides the algorithm; qr has two formulas.
+        EXPECT_LE(lines(file), name.ends_with("_sparse") || name == "qr" ? 115 : 100) << file;
         EXPECT_GE(lines(file), 30) << file;
         std::string const code = text(file);
         EXPECT_NE(code.rfind("static_assert("), code.npos) << file << ": no claim";

@@ -96,8 +96,8 @@ TEST(FoldRanks, OneGroupWithoutAPriorIsFoldAll) {
     Records const records = laws::noise_records(4, 500, Seed{75});
     Problem<double> const p{.size = 4, .prior = std::nullopt};
     Mail mail;
-    auto const ranks = fold_ranks<F>(RanksHere{&mail, 0, 1}, p, RowsInMemory(records), 1, 1000, 64);
-    EXPECT_EQ(ranks->stored().F.cwiseAbs(), fold_all<F>(p, RowsInMemory(records), 1, 64).stored().F.cwiseAbs());
+    auto const ranks = fold_ranks<F>(RanksHere{&mail, 0, 1}, p, RowsInMemory(records), 1, 1000, F::block);
+    EXPECT_EQ(ranks->stored().F.cwiseAbs(), fold_all<F>(p, RowsInMemory(records), 1, F::block).stored().F.cwiseAbs());
 }
 
 TEST(FoldRanks, WhatIsNoStateIsRefused) {

@@ -265,7 +265,7 @@ TEST_F(Program, SaysWhatIsInAState) {
     write("short.state", whole.substr(0, 200));
     refused("state short.state", "short.state 200");
     write("data.csv", "u,y\n1,2\n");
-    refused("state data.csv", "data.csv 8");
+    refused("state data.csv", "data.csv something");
     refused("state none.state", "none.state");
 }
 TEST_F(Program, AnInputThatIdentifiesNoModelIsAnAnswerThatIsNo) {
@@ -310,7 +310,7 @@ protected:
 };
 TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab co"), "compare ");
-    EXPECT_EQ(offered("rlslab \"\""), "compare study merge identify simulate excitation state list cite help ");
+    EXPECT_EQ(offered("rlslab \"\""), "compare sweep study merge identify simulate excitation state list cite help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
     EXPECT_EQ(offered("rlslab study gain_e"),

@@ -322,7 +322,7 @@ template <class B, class S>
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         RowRange const present = rows_of<B>(i0, s.d);
         Index const next = i0 + B::rows;
-        B ahead;
+        B ahead = row;
         turn_corner(s, i0, present, u, sum, root);
         if (B::rows == 8 && next < s.d) {  // a block of four is alone
             ahead.load(s.x + next);
