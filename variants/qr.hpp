@@ -101,8 +101,11 @@ private:
             rotate_in(L_, row_, root_lambda_, z_, y, c_, s_);
             for (Index i = 0; i < row_.size(); ++i) root_gamma *= c_[i];
         }
-        Step<T> const step = select(by_substitution, step_of(row.e, lambda_, row.s),
-                                    report_rotated(y, root_gamma, determined));                          // (5)
+        Step<T> step = step_of(row.e, lambda_, row.s);
+        if (!all(by_substitution)) {
+            Step<T> const rotated = report_rotated(y, root_gamma, determined);                           // (5)
+            step = select(by_substitution, step, rotated);
+        }
         return if_finite(Truth<T>(in_range) || lengths_.finite(L_, z_, psi_, row_) || !determined, step);
     }
 };

@@ -202,7 +202,8 @@ void sweep_rotations_in(StateMatrix<T, N>& L, StateVector<T, N>& z, T& eta, Stat
                         StateVector<T, N> const& u) {
     sweep_gentleman(L, c, s, u, row);
     for (Index i = 0; i < z.size(); ++i) {
-        L(i, i) = T(c[i] * real_part(L(i, i)) + real_part(conjugate(s[i]) * x[i]));
+        T const added = conjugate(s[i]) * x[i];  // named: either product may draw
+        L(i, i) = T(c[i] * real_part(L(i, i)) + real_part(added));
         T const t = z[i], turned = s[i] * eta;
         z[i] = c[i] * t + turned;
         eta -= conjugate(u[i]) * t;
