@@ -60,10 +60,7 @@ struct DataRounding<Chopped<F, R>> {
 template <>
 struct DataRounding<VariablePrecision> {
     static constexpr bool stochastic = false;  // where it is, the arithmetic at run time says so
-    static double round(double x) {
-        RunTimeFormat const& now = PrecisionScope::format();
-        return now.has_range() ? round_to_nearest(x, now.format) : round_to_bits(x, 0, now.format.digits);
-    }
+    static double round(double x) { return nearest_in(PrecisionScope::format(), x); }
 };
 
 /// x as T stores it.

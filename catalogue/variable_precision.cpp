@@ -73,13 +73,12 @@ struct AtRunTime {
     std::vector<CatalogueEntry> entries;  ///< they point to the arithmetic
 };
 void fill(AtRunTime& out, RunTimeFormat const& f) {
-    out.arithmetic = {
-        out.name,
-        f.format.digits,
-        f.format.min_exp,
-        f.format.max_exp,
-        f.rounding == Rounding::stochastic,
-        [f](double x) { return f.has_range() ? round_to_nearest(x, f.format) : round_to_bits(x, 0, f.format.digits); }};
+    out.arithmetic = {out.name,
+                      f.format.digits,
+                      f.format.min_exp,
+                      f.format.max_exp,
+                      f.rounding == Rounding::stochastic,
+                      [f](double x) { return nearest_in(f, x); }};
     out.entries = variable_precision_catalogue();
     for (CatalogueEntry& entry : out.entries) {
         entry.arithmetic = &out.arithmetic;

@@ -15,17 +15,18 @@ std::vector<Index> checkpoints_of(Index rows) {
     return out;
 }
 
+std::vector<Index> shuffled(Index rows, Seed& draws) {
+    std::vector<Index> order(size_t(rows), 0);
+    std::iota(order.begin(), order.end(), Index(0));
+    for (Index k = rows - 1; k > 0; --k) std::swap(order[size_t(k)], order[size_t(draws.uniform() * double(k + 1))]);
+    return order;
+}
+
 std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed) {
     constexpr int others = 3;
     std::vector<std::vector<Index>> out(1);
     Seed draws{seed};
-    for (int i = 0; forgetting == 1 && i < others; ++i) {
-        std::vector<Index> order(size_t(rows), 0);
-        std::iota(order.begin(), order.end(), Index(0));
-        for (Index k = rows - 1; k > 0; --k)
-            std::swap(order[size_t(k)], order[size_t(draws.uniform() * double(k + 1))]);  // Fisher and Yates
-        out.push_back(std::move(order));
-    }
+    for (int i = 0; forgetting == 1 && i < others; ++i) out.push_back(shuffled(rows, draws));
     return out;
 }
 

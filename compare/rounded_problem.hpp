@@ -26,6 +26,9 @@ struct RoundedProblem {
 /// The rows after which digits are counted: at most 40, evenly spread, the last row among them.
 std::vector<Index> checkpoints_of(Index rows);
 
+/// 0 ... rows-1 in an order drawn by Fisher and Yates' method.
+std::vector<Index> shuffled(Index rows, Seed& draws);
+
 /// The orders of rows that are tried: the record's, and where lambda = 1 three others, drawn from the seed. With
 /// forgetting the order is part of the problem.
 std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed);

@@ -27,7 +27,6 @@ struct Given {
     std::map<double, Records> records;                              ///< by model order
     std::map<std::pair<double, double>, Prior<double>> by_default;  ///< by model order and forgetting
     std::vector<std::string> variants;
-    int row_orders;
     std::uint64_t seed;
 };
 
@@ -88,12 +87,9 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
 
 /// The rows in the i-th order; empty for the first, the record's.
 std::vector<Index> order_of_rows(Index rows, int i, std::uint64_t seed) {
-    std::vector<Index> out;
-    if (i == 1) return out;
-    for (Index k = 0; k < rows; ++k) out.push_back(k);
+    if (i == 1) return {};
     Seed draws{Seed{seed + std::uint64_t(i)}.next()};
-    for (size_t k = out.size(); k > 1; --k) std::swap(out[k - 1], out[size_t(draws.uniform() * double(k))]);
-    return out;
+    return shuffled(rows, draws);
 }
 
 Prior<double> prior_of(Given const& given, Trial const& trial) {
@@ -158,7 +154,7 @@ std::vector<Plot> plots_of(std::vector<Factor> const& factors) {
 Study study_of(Sweep const& sweep, std::uint64_t seed) {
     auto const given = std::make_shared<Given>();
     std::vector<Factor> const factors = factors_of(sweep, given->variants);
-    given->row_orders = sweep.row_orders, given->seed = seed;
+    given->seed = seed;
     for (Cell const& order : factors[0].values) {
         double const value = std::get<double>(order);
         Records const& records = given->records[value] = sweep.records(int(value));
@@ -171,7 +167,7 @@ Study study_of(Sweep const& sweep, std::uint64_t seed) {
     return {
         .name = "sweep",
         .question = "Which variant keeps how many digits on this record, and where does that change?",
-        .source = sweep.record,
+        .source = {},
         .formula = {},
         .interpretation =
             "Digits of theta, of its worst component and of P: medians over the checkpoints, against "

@@ -8,7 +8,6 @@
 namespace rlslab::program {
 
 struct Sweep {
-    std::string record;  ///< what stands for the data in the report: file, hash, model
     std::vector<studies::FactorValues> vary;
     int order = 0;                              ///< of the model that is given; 0: it has none
     int row_orders = 1;                         ///< the record's, and so many more, less one
@@ -18,7 +17,8 @@ struct Sweep {
 /// One trial for each combination of order, forgetting, prior, arithmetic and row order; in it every variant, against
 /// the certified solution of the problem as that arithmetic stores it, at compare's checkpoints. Other orders of rows
 /// only where forgetting = 1: elsewhere the order is part of the problem. Reads the records of all orders at once.
-/// Throws InputError for a factor that does not exist or a value that it cannot have.
+/// The caller names the data in Study::source. Throws InputError for a factor that does not exist or a value that it
+/// cannot have.
 studies::Study study_of(Sweep const& sweep, std::uint64_t seed);
 
 }  // namespace rlslab::program

@@ -25,7 +25,7 @@ struct SweepArguments : StudyRun {
 };
 
 Sweep sweep_of(SweepArguments const& a, Provenance& run) {
-    Sweep out{.record = {}, .vary = {}, .order = a.record.order, .row_orders = a.row_orders, .records = {}};
+    Sweep out{.vary = {}, .order = a.record.order, .row_orders = a.row_orders, .records = {}};
     bool orders = false;
     for (std::string const& text : a.vary) {
         FactorValues const values = factor_values_from(text, "--vary");

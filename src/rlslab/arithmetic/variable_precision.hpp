@@ -59,6 +59,11 @@ inline double round_to_bits(double head, double tail, int p) {
     return from_bits(below + (up ? ulp : 0));
 }
 
+/// x as data in the format: to nearest, whatever its operations do.
+inline double nearest_in(RunTimeFormat const& f, double x) {
+    return f.has_range() ? round_to_nearest(x, f.format) : round_to_bits(x, 0, f.format.digits);
+}
+
 /// A number of the format that the thread's current PrecisionScope sets when it is made.
 class VariablePrecision {
     double value_ = 0;

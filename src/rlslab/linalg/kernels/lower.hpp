@@ -25,12 +25,17 @@ template <class B, class T>
 }
 
 // L_ji = c_i t + s_i' x_j,  x_j -= e_i t
+/// (t, x) = (c t + s x, x - u t)
+template <class B, class C, class S, class U>
+[[gnu::always_inline]] inline void mix(B& t, B& x, C const& c, S const& s, U const& u) {
+    B const old = t;
+    t.scale(c);
+    t.add_product(x, s);
+    x.subtract_product(old, u);
+}
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
-    B const old = t;
-    t.scale(s.c[i]);
-    t.add_product(x, conjugate(s.s[i]));
-    x.subtract_product(old, s.e[i]);
+    mix(t, x, s.c[i], conjugate(s.s[i]), s.e[i]);
 }
 
 // (root_lambda t, x) times the rotation (c, s)
@@ -182,10 +187,7 @@ template <class B, class T>
 
 template <class B, class T>
 [[gnu::always_inline]] inline void step(FoldGentleman<T> const& s, Index i, B& t, B& x) {
-    B const old = t;
-    t.scale(s.c[i]);
-    t.add_product(x, s.s[i]);
-    x.subtract_product(old, s.x[i]);
+    mix(t, x, s.c[i], s.s[i], s.x[i]);
 }
 /// Finishes x in the m rows of the corner at i0: the first m of `x` hold it.
 template <int i, class B, class T>
@@ -246,10 +248,7 @@ template <class B, class T>
 }
 template <class B, class T>
 [[gnu::always_inline]] inline void step(FoldQr<T> const& s, Index i, B& t, B& x) {
-    B const old = t;
-    t.scale(s.c[i]);
-    t.add_product(x, s.s[i]);
-    x.subtract_product(old, s.u[i]);
+    mix(t, x, s.c[i], s.s[i], s.u[i]);
 }
 /// u in the m rows of the corner at i0, from x, to which the rows before it are applied.
 template <int i, class B, class T>
