@@ -32,8 +32,7 @@ double error(auto const& filter, Oven const& oven) {
 }  // namespace
 
 int main() {
-    rlslab::Problem<float> const problem{
-        .size = 3, .forgetting = 0.999f, .prior = rlslab::Prior<float>{.variance = 100}};
+    rlslab::Problem<float> const problem{.size = 3, .forgetting = 0.999f, .prior = rlslab::Prior<float>{}};
     Filter guarded(problem), restarted(problem);
     Bare bare(problem);
     Oven oven;

@@ -77,6 +77,7 @@ struct GuardOptions {
 /// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
 /// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
 /// min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule of forgetting s is that of before the rule.
+/// (2) takes P0 at its word: theta0's error beyond c sqrt(P0 s2) makes outliers of the rows that first show it.
 /// Thresholds of (2): docs/theory.md 61; of (4) and (5): 88. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000
 /// (cited, not read), in squares. Edition 1 had a bound of s, P_jj of every form, and a column of P in (5).
 template <Guardable F, GuardPolicy policy = resetting>
