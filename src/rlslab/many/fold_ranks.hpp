@@ -48,10 +48,10 @@ inline constexpr Index rows_a_group = Index{1} << 20;
 ///
 ///   ((F(problem) + group 0) + group 1) + ...
 ///
-/// The bits depend on G and B = part, not on the number of ranks or threads. Where there is one group and F starts
-/// without prior they are those of fold_all but for the rounding of one merge. Memory: as fold_all, on each rank.
-/// Throws as fold_all; std::runtime_error on rank 0 if what a rank sent is no state of its filter. What one rank throws
-/// the others do not see: end the job then (MPI_Abort). Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+/// The bits depend on G and B = part, not on the number of ranks or threads. They are those of fold_all where there is
+/// one group and F starts without prior. Memory: as fold_all, on each rank. Throws as fold_all; std::runtime_error on
+/// rank 0 if what a rank sent is no state of its filter. What one rank throws the others do not see: end the job then
+/// (MPI_Abort). Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Merges F, RowSource Source, Ranks R>
 std::optional<F> fold_ranks(R const& ranks, Problem<typename F::scalar> const& problem, Source const& source,
                             unsigned threads = 0, Index group = rows_a_group, Index part = rows_a_part) {
