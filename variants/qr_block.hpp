@@ -71,8 +71,8 @@ public:
         Index const d = z_.size();
         expects(newer.z_.size() == d && all(newer.lambda_ == lambda_) && !newer.prior_,
                 "a part of this problem, no prior");
-        if (newer.rows_ > 0) psi_ = newer.psi_;
         if (rows_ == 0 && !prior_) { state(*this) = state(newer); return; }    // nothing to fold into: its numbers
+        if (newer.rows_ > 0) psi_ = newer.psi_;
         A_.resize(d, d + 1); A_.view() << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
         fold_in(detail::power(root_lambda_, newer.rows_), newer.rows_);                                  // (5)
     }

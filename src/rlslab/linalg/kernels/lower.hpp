@@ -24,7 +24,6 @@ template <class B, class T>
     x.subtract_product(t, s.x[i]);
 }
 
-// L_ji = c_i t + s_i' x_j,  x_j -= e_i t
 /// (t, x) = (c t + s x, x - u t)
 template <class B, class C, class S, class U>
 [[gnu::always_inline]] inline void mix(B& t, B& x, C const& c, S const& s, U const& u) {
@@ -33,6 +32,7 @@ template <class B, class C, class S, class U>
     t.add_product(x, s);
     x.subtract_product(old, u);
 }
+// L_ji = c_i t + s_i' x_j,  x_j -= e_i t
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
     mix(t, x, s.c[i], conjugate(s.s[i]), s.e[i]);
