@@ -19,8 +19,8 @@ struct CommandLine {
     std::vector<Command> const commands{compare_command(app),    sweep_command(app),    study_command(app),
                                         merge_command(app),      identify_command(app), simulate_command(app),
                                         excitation_command(app), state_command(app),    list_command(app),
-                                        cite_command(app),       help_command(app),     man_command(app),
-                                        completion_command(app)};
+                                        example_command(app),    cite_command(app),     help_command(app),
+                                        man_command(app),        completion_command(app)};
 
     OutputOptions output_options;
     bool version = false, json = false;

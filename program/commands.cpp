@@ -170,7 +170,7 @@ char const* name_of(Isa isa) { return isa == Isa::avx512 ? "avx512" : isa == Isa
 }  // namespace
 
 void set_command(std::vector<std::string> const& words) {
-    static constexpr std::string_view with_value[] = {"--out", "--threads", "--color", "--part"},
+    static constexpr std::string_view with_value[] = {"--out", "--threads", "--color", "--part", "--from"},
                                       alone[] = {"--json", "--csv", "--quiet", "--fresh"};
     command_words = {"rlslab"};
     for (size_t i = 0; i < words.size(); ++i) {

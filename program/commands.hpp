@@ -92,6 +92,7 @@ Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);
 Command state_command(CLI::App& app);
 Command list_command(CLI::App& app);
+Command example_command(CLI::App& app);
 Command cite_command(CLI::App& app);
 Command help_command(CLI::App& app);
 Command man_command(CLI::App& app);         ///< not shown: for the build

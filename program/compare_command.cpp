@@ -3,6 +3,7 @@
 #include "compare/compare.hpp"
 #include "compare/digits_answer.hpp"
 #include "program/composition_options.hpp"
+#include "program/examples.hpp"
 #include "program/record_options.hpp"
 #include "program/run.hpp"
 
@@ -45,7 +46,7 @@ CompareOptions checked_options(CompareArguments const& a) {
 /// 0 where some variant is recommended in some arithmetic, or keeps the digits that are wanted, else 1.
 int run_compare(CompareArguments const& a) {
     CompareOptions const options = checked_options(a);
-    Question const question = question_of(a.record);
+    Question const question = question_of(with_example(a.record));
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     comparison.model = question.model;
     comparison.run = this_run(options.timings, question.model.file, question.sha256, question.rows);
@@ -74,6 +75,7 @@ Command compare_command(CLI::App& app) {
     auto const a = std::make_shared<CompareArguments>();
     CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
     comparing->footer(
+        "A record of the program:  rlslab compare --example longley\n"
         "An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
         "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json\n"
         "Three digits in float:    rlslab compare data.csv --input u --output y --order 4 --arithmetic float --digits "

@@ -1,6 +1,7 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "program/definitions.hpp"
+#include "program/examples.hpp"
 
 #include "studies/engine/study.hpp"
 
@@ -47,6 +48,10 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
     }
     if (one.value.starts_with("VARIANT")) {
         for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
+        return {words, names};
+    }
+    if (one.value == "EXAMPLE" || (one.value == "NAME" && command.get_name() == "example")) {
+        for (Example const& example : examples()) add(example.name);
         return {words, names};
     }
     if (one.value == "PART") return {words, {"variants", "arithmetics", "rounding", "studies"}};

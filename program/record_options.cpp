@@ -1,5 +1,6 @@
 // FILE, columns, model: options, and the rows they describe.
 #include "program/record_options.hpp"
+#include "program/examples.hpp"
 
 #include <rlslab/input/counting.hpp>
 #include <rlslab/input/formats/open.hpp>
@@ -33,15 +34,27 @@ std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
 }  // namespace
 
 void define_record(CLI::App& command, RecordArguments& a) {
-    command
-        .add_option("FILE", a.file,
-                    "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? "
-                    "are missing values")
-        ->required()
-        ->type_name("");
+    CLI::Option* const file =
+        command
+            .add_option("FILE", a.file,
+                        "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and "
+                        "? are missing values")
+            ->required()
+            ->type_name("");
     define_format(command, a.format);
     define_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
-    command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
+    CLI::Option* const output =
+        command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
+    command
+        .add_option_function<std::string>(
+            "--example",
+            [&a, file, output](std::string const& name) {
+                a.example = name;
+                file->required(false), output->required(false);  // these are checked behind this
+            },
+            "in place of FILE a record of the program, with a model of its own (rlslab example)")
+        ->check(named("the name of an example"))
+        ->type_name("EXAMPLE");
     define_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
     define_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
     define_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
@@ -53,19 +66,18 @@ void define_record(CLI::App& command, RecordArguments& a) {
     command.add_flag("--detrend", a.detrend, "take the mean off each column first");
 }
 
-void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
+std::string usual_arithmetic(std::string name) {
     static constexpr std::pair<std::string_view, char const*> others[] = {
         {"half", "binary16"},    {"single", "float"},  {"fp32", "float"},   {"f32", "float"},
         {"binary32", "float"},   {"fp64", "double"},   {"f64", "double"},   {"binary64", "double"},
         {"float16", "binary16"}, {"fp16", "binary16"}, {"f16", "binary16"}, {"bf16", "bfloat16"}};
+    auto const known = std::ranges::find(others, name, &std::pair<std::string_view, char const*>::first);
+    return known == std::end(others) ? std::move(name) : known->second;
+}
+
+void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
     define_names(command, "--arithmetic", into, help)
-        ->transform(CLI::Validator(
-            [](std::string& name) {
-                auto const known = std::ranges::find(others, name, &std::pair<std::string_view, char const*>::first);
-                if (known != std::end(others)) name = known->second;
-                return std::string();
-            },
-            ""));
+        ->transform(CLI::Validator([](std::string& name) { return name = usual_arithmetic(name), std::string(); }, ""));
 }
 
 namespace {
@@ -113,7 +125,7 @@ Model arx_of(RecordArguments const& a) {
 }
 
 Model model_of(RecordArguments const& a) {
-    if (a.file.empty()) throw InputError("FILE: expected the name of a file");
+    if (a.file.empty() && a.example.empty()) throw InputError("FILE: expected the name of a file");
     if (a.output.empty()) throw InputError("--output: expected the name of the output column");
     Model out = a.regressors.empty() ? arx_of(a) : regression_of(a);
     out.read(a.output);
@@ -125,6 +137,11 @@ Records records_of(Columns const& data, RecordArguments const& a, Model const& m
     std::vector<std::span<double const>> inputs;
     for (std::string const& input : a.inputs) inputs.emplace_back(data[input]);
     return arx_records(inputs, a.inputs, data[a.output], model.arx, data.file);
+}
+
+Columns columns_of(RecordArguments const& a, std::vector<std::string> const& names) {
+    if (a.example.empty()) return read_data({a.file, a.format}, names);
+    return read_text(example_named(a.example, "--example").text, a.example + ".csv", names);
 }
 
 /// What the parameters multiply, in the order of the records' columns: "-sales[k-1]", "lead[k]", "1".
@@ -150,7 +167,7 @@ std::vector<std::string> regressor_texts(Columns const& data, RecordArguments co
 Question question_of(RecordArguments a, std::optional<Columns>* kept) {
     a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
     Model const model = model_of(a);
-    Columns data = kept && *kept ? **kept : read_data({a.file, a.format}, model.columns);
+    Columns data = kept && *kept ? **kept : columns_of(a, model.columns);
     if (kept && !*kept) *kept = data;
     Question out;
     out.model.file = printable(data.file, 200);

@@ -9,18 +9,20 @@
 namespace rlslab::program {
 
 struct RecordArguments {
-    CsvFormat format;
-    std::string file, output;
-    std::vector<std::string> inputs, regressors;
+    CsvFormat format = {};
+    std::string file = {}, example = {}, output = {};
+    std::vector<std::string> inputs = {}, regressors = {};
     int order = 0, na = -1, nb = -1, delay = 0;
     bool intercept = false, detrend = false;
 };
 
-/// FILE and the options that name columns and a model. `arguments` outlives the command's run.
+/// FILE or --example, and the options that name columns and a model. `arguments` outlives the command's run.
 void define_record(CLI::App& command, RecordArguments& arguments);
 
-/// --arithmetic, a list: the names of the catalogue, and others that people use (half, single, fp32, f32, binary32,
-/// fp64, f64, binary64).
+/// The catalogue's name of an arithmetic that people call otherwise: half, single, fp32, f32, binary32, fp64, f64,
+/// binary64, float16, fp16, f16, bf16. Any other name as it is.
+std::string usual_arithmetic(std::string name);
+/// --arithmetic, a list of such names.
 void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help);
 
 /// Records, and what their parameters multiply.

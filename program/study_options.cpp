@@ -45,7 +45,7 @@ void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char co
                     "how many run at once; default: all cores. No byte of a table depends on it")
         ->check(whole(1, 4096))
         ->type_name("N");
-    command.add_option("--out", run.out, "folder for tables, figures and the report; default: out")
+    command.add_option("--out", run.out, "folder for tables, figures and the report; default: " + run.out)
         ->check(named("a folder"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("DIR");

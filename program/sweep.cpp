@@ -1,6 +1,7 @@
 // A study made at run time: the variants on a record, over values of forgetting, prior, arithmetic and model order.
 #include "program/sweep.hpp"
 #include "compare/score.hpp"
+#include "program/record_options.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/core/input_error.hpp>
@@ -39,7 +40,7 @@ double number_in(std::string const& factor, std::string const& text, char const*
 
 Cell value_of(std::string const& factor, std::string const& text) {
     std::string const where = "--vary " + factor;
-    if (factor == "arithmetic") return std::string(arithmetic_named(text, where).name);
+    if (factor == "arithmetic") return std::string(arithmetic_named(usual_arithmetic(text), where).name);
     if (factor == "forgetting")
         return number_in(factor, text, "numbers in (0, 1]", [](double x) { return 0 < x && x <= 1; });
     if (factor == "order")

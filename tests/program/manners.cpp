@@ -310,8 +310,8 @@ protected:
 };
 TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab co"), "compare ");
-    EXPECT_EQ(offered("rlslab \"\""), "compare sweep study merge identify simulate excitation state list cite help ");
-    EXPECT_EQ(offered("rlslab help ex"), "excitation ");
+    EXPECT_EQ(offered("rlslab \"\""), "compare sweep study merge identify simulate excitation state list example cite help ");
+    EXPECT_EQ(offered("rlslab help ex"), "excitation example ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
     EXPECT_EQ(offered("rlslab study gain_e"),
               "gain_error gain_error_size gain_error_growth gain_error_definiteness gain_error_memory ");

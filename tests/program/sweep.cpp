@@ -74,6 +74,22 @@ TEST_F(Program, SweepsInPartsWithTheSameBytes) {
     for (char const* file : {"sweep.csv", "report.html"})
         EXPECT_EQ(read(folder / "whole" / file), read(folder / "parts" / file)) << file;
     EXPECT_EQ(cells_of(read(folder / "whole/sweep.csv")).size(), 12u);
+    for (char const* part : {"1/2", "2/2"})
+        ASSERT_EQ(shell(sweep + "--out apart" + std::string(part, 1) + " --part " + part).code, 0);
+    refused(sweep.substr(7) + "--vary forgetting=1 --from apart1 --from apart2 --out none", "--from apart1");
+    refused(sweep.substr(7) + "--from whole --out none", "--from whole");
+    refused(sweep.substr(7) + "--from apart1 --part 1/2 --out none", "--from --part");
+    EXPECT_EQ(shell(sweep + "--from apart1 --out none").code, 2) << "a part is missing";
+    ASSERT_EQ(shell(sweep + "--from apart1 --from apart2 --out merged").code, 0);
+    EXPECT_EQ(read(folder / "whole/sweep.csv"), read(folder / "merged/sweep.csv"));
+}
+TEST_F(Program, SweepsArithmeticsByTheirUsualNames) {
+    std::string const sweep = "rlslab sweep ok.csv --input u --output y --order 1 --vary variant=ud ";
+    ASSERT_EQ(shell(sweep + "--vary arithmetic=half,fp32").code, 0);
+    std::vector<std::string> found;
+    for (auto const& row : cells_of(read(folder / "sweep/sweep.csv"))) found.push_back(row.at("arithmetic"));
+    EXPECT_THAT(found, testing::ElementsAre("binary16", "float"));
+    refused(sweep.substr(7) + "--vary arithmetic=half,binary16", "--vary arithmetic binary16 twice");
 }
 TEST_F(Program, SweepsOrdersOfARecordFromStandardInput) {
     std::string const sweep = "--input u --output y --vary variant=ud --vary order=1,2 ";
@@ -88,9 +104,9 @@ TEST_F(Program, DrawsASweepOverPriorsWithoutTheScaledOne) {
     Outcome const swept = shell(
         "rlslab sweep ok.csv --input u --output y --order 1 --vary prior=scaled,1e2,1e4,1e308 --vary variant=ud,qr");
     ASSERT_EQ(swept.code, 0) << swept.err;
-    EXPECT_EQ(cells_of(read(folder / "out/sweep.csv")).size(), 16u);
-    EXPECT_THAT(read(folder / "out/figures/sweep-1.svg"), HasSubstr("c^2 of P0"));
-    std::string const page = read(folder / "out/report.html");
+    EXPECT_EQ(cells_of(read(folder / "sweep/sweep.csv")).size(), 16u);
+    EXPECT_THAT(read(folder / "sweep/figures/sweep-1.svg"), HasSubstr("c^2 of P0"));
+    std::string const page = read(folder / "sweep/report.html");
     EXPECT_THAT(page, Not(HasSubstr("claims hold")));  // it has none
     EXPECT_THAT(page, Not(HasSubstr("How many claims")));
     EXPECT_THAT(page, Not(HasSubstr("full budget")));

@@ -25,16 +25,29 @@ Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string
     return read_mat73(file.path, requested);
 }
 
-}  // namespace
-
-Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
+Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::string> const& requested) {
     auto const digest = std::make_shared<Sha256>();
-    ByteSource const bytes = digested(bytes_of_file(file.path), digest);
+    ByteSource const bytes = digested(std::move(source), digest);
     Columns out = read_any(bytes, file, requested);
     std::vector<char> rest(1 << 16);  // what a reader of MATLAB's variables did not need
     while (bytes(rest) > 0) {}
     out.sha256 = digest->hex();
     return out;
+}
+
+}  // namespace
+
+Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
+    return read_bytes(bytes_of_file(file.path), file, requested);
+}
+
+Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested) {
+    auto const next = [text, at = std::make_shared<std::size_t>(0)](std::span<char> to) {
+        std::size_t const count = text.copy(to.data(), to.size(), *at);
+        *at += count;
+        return count;
+    };
+    return read_bytes(next, {file}, requested);
 }
 
 }  // namespace rlslab

@@ -14,5 +14,7 @@ struct DataFile {
 /// The columns named in `requested`. The first bytes of the file decide its format, not its name. Its digest is
 /// in the answer. Throws InputError.
 Columns read_data(DataFile const& file, std::vector<std::string> const& requested);
+/// The same of a text in memory; `file`: its name in messages.
+Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested);
 
 }  // namespace rlslab
