@@ -71,6 +71,7 @@ struct Figure {
     bool names = false;                     ///< of single points: each stands beside its mark, where there is room
     std::string note = {};                  ///< a sentence under the title
     std::vector<size_t> strong_x = {};      ///< categories that stand out
+    std::vector<std::string> first = {};    ///< series that a page shows at first, the others on request; empty: all
 };
 
 }  // namespace rlslab::report

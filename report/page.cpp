@@ -79,11 +79,14 @@ std::string figure_html(Figure const& figure) {
         out += fmt::format("<p class=\"legend{}\">", panels > 2 ? " stays" : "");
         std::vector<size_t> order = from_the_top(legend);
         if (!beside) std::ranges::sort(order);
+        auto const later = [&](std::string const& name) {
+            return !figure.first.empty() && std::ranges::find(figure.first, name) == figure.first.end();
+        };
         for (size_t const i : order)
-            out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i,
-                               strong(figure, legend[i]->name) ? " class=\"strong\"" : "", key_svg(*legend[i]),
-                               escaped(legend[i]->name),
-                               drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
+            out += fmt::format(
+                "<span data-s=\"{}\"{}{}>{}{}{}</span> ", i, strong(figure, legend[i]->name) ? " class=\"strong\"" : "",
+                later(legend[i]->name) ? " data-later" : "", key_svg(*legend[i]), escaped(legend[i]->name),
+                drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
         out += "</p>\n";
     }
     out += fmt::format("<div class=\"panels {}\">\n", alone || panels == 0 ? "one" : three ? "three" : "two");

@@ -10,7 +10,8 @@ namespace rlslab::report {
 /// Text for HTML, "+- " as a plus-minus sign.
 std::string escaped(std::string_view text);
 
-/// Panels as SVG, with title and legend; wide and narrow versions where one would not be legible at both.
+/// Panels as SVG, with title and legend; wide and narrow versions where one would not be legible at both. Without
+/// JavaScript all series are shown.
 std::string figure_html(Figure const& figure);
 
 /// A formula in LaTeX, written in the source as R"tex(...)tex": the build searches for that.

@@ -27,7 +27,27 @@ for (const box of document.querySelectorAll('.formula')) {
 }
 for (const image of document.images) if (!image.complete || !image.naturalWidth)
   wrong.push(`a broken image: ${image.src}`);
-// A click on a legend hides its series in every panel, a second one shows it again.
+// A click on a legend hides its series in every panel, a second one shows it again. What is hidden at first a button
+// shows.
+for (const rest of document.querySelectorAll('.legend button')) {
+  if (!rest.closest('figure').querySelector('g.s.off')) wrong.push('a button for what is hidden, and nothing is');
+  rest.click();
+  if (rest.closest('figure').querySelector('g.s.off')) wrong.push(`${rest.textContent}: something is still hidden`);
+}
+// A tap says what the pointer would.
+const mark = [...document.querySelectorAll('.panel g.s path title')].find(title => {
+  const box = title.parentElement.getBoundingClientRect();
+  return box.width > 0 && box.width < 20;
+});
+if (mark) {
+  const box = mark.parentElement.getBoundingClientRect();
+  mark.parentElement.dispatchEvent(new PointerEvent('pointerup', {
+    pointerType: 'touch', bubbles: true, clientX: box.x + box.width / 2, clientY: box.y + box.height / 2 }));
+  const tip = document.querySelector('.tip');
+  if (tip.hidden || tip.textContent !== mark.textContent) wrong.push(`a tap says "${tip.textContent}"`);
+  document.body.dispatchEvent(new PointerEvent('pointerup', { pointerType: 'touch', bubbles: true }));
+  if (!tip.hidden) wrong.push('a tap elsewhere leaves the tip');
+}
 for (const key of document.querySelectorAll('.legend span[data-s]')) {
   if (key.parentElement.querySelectorAll('span[data-s]').length < 2) continue;
   const mine = [...key.closest('figure').querySelectorAll(`g.s[data-s="${key.dataset.s}"]`)];
