@@ -266,20 +266,22 @@ std::string as_page(Identified const& m) {
                                    escaped(m.structure), escaped(m.why));
     body += boxes("warning", "fails", m.warnings()) + "</header>";
     for (std::string const& words : order_lines_below(m)) body += fmt::format("<p>{}</p>", escaped(words));
+    for (std::string const& words : result_lines(m))
+        if (!words.starts_with("next: ") && !words.starts_with("hint: "))
+            body += fmt::format("<p>{}</p>", escaped(words));
+    body += boxes("hint", "next", m.hints());
+    if (!m.next().empty()) body += boxes("next", "next", {m.next()});
+    for (Figure const& figure : figures) body += figure_html(figure);
+    body += "<section><h2>Parameters</h2>\n";
     std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
         rows.push_back({printable(p.name), p.regressor, number_text(p.value, 6), number_text(p.sd, 2),
                         fmt::format("{} ... {}", number_text(p.lower, 5), number_text(p.upper, 5))});
     body += table_html(
         {"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
-    for (std::string const& words : result_lines(m))
-        if (!words.starts_with("next: ") && !words.starts_with("hint: "))
-            body += fmt::format("<p>{}</p>", escaped(words));
-    body += boxes("hint", "next", m.hints());
-    if (!m.next().empty()) body += boxes("next", "next", {m.next()});
+    body += "</section>\n";
     for (auto const& lines : {data_lines(m), input_lines(m)})
         for (std::string const& words : lines) body += fmt::format("<p class=\"soft\">{}</p>", escaped(words));
-    for (Figure const& figure : figures) body += figure_html(figure);
     if (m.run) body += as_html(*m.run);
     return page(m.file + ": identified", body);
 }
