@@ -165,7 +165,8 @@ TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {
     add("block/ud/double/4", 3, 3), add("update/ud/double/8", 3, 3), add("peer/liquid/double/4", 3, 3);
     auto const table = [](std::string const& of) {
         return table_of_times(run_of(
-            R"({"context": {"cpu": "a processor", "instructions": "avx2", "compiler": "g++", "date": "2026-11-23T01:02"}, "benchmarks": [)" +
+            R"({"context": {"cpu": "a processor", "instructions": "avx2", "compiler": "g++",
+                "date": "2026-11-23T01:02"}, "benchmarks": [)" +
             of + "]}"));
     };
     EXPECT_EQ(table(rows),

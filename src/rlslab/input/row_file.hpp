@@ -18,8 +18,8 @@ class RowFile {
 public:
     /// size: d; a .npy file has it in its header. Throws InputError naming the file when it cannot be opened, is a
     /// directory or a pipe, holds no row, or does not hold a whole number of rows; of a .npy file when its numbers are
-    /// of another type or not row by row, when it is not an array of N x (d + 1), and when its length is not that of its
-    /// header and N rows. std::invalid_argument unless 1 <= size < 2^48.
+    /// of another type or not row by row, when it is not an array of N x (d + 1), and when its length is not that of
+    /// its header and N rows. std::invalid_argument unless 1 <= size < 2^48.
     explicit RowFile(std::string const& path, std::optional<Index> size = std::nullopt);
     RowFile(RowFile const&) = delete;
     RowFile& operator=(RowFile const&) = delete;
