@@ -29,6 +29,8 @@ Times times_in(Json const& run) {
 
 }  // namespace
 
+std::string machine_of_run(std::string const& run_json) { return machine_of(parsed_results(run_json)); }
+
 Times times_of(std::string const& run_json) { return times_in(parsed_results(run_json)); }
 
 Baseline baseline_of(std::string const& run_json) {
@@ -36,10 +38,7 @@ Baseline baseline_of(std::string const& run_json) {
     Times times = times_in(run);
     auto const scale = times.find(unit_row);
     if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", unit_row));
-    Baseline out{fmt::format("{}, {}", run.at("context").value("cpu", "unknown processor"),
-                             run.at("context").value("compiler", "unknown compiler")),
-                 int(scale->second.size()),
-                 {}};
+    Baseline out{machine_of(run), int(scale->second.size()), {}};
     double const unit = spread(scale->second).middle;
     for (auto& [name, of_row] : times) {
         if (of_row.size() < 5) throw std::runtime_error(fmt::format("{}: expected at least five repetitions", name));
@@ -49,25 +48,54 @@ Baseline baseline_of(std::string const& run_json) {
     return out;
 }
 
-std::string written(Baseline const& baseline) {
-    std::string out = fmt::format("{{\n \"machine\": {},\n \"unit_row\": \"{}\",\n \"repetitions\": {},\n \"rows\": {{",
-                                  Json(baseline.machine).dump(), unit_row, baseline.repetitions);
-    char const* between = "\n";
-    for (auto const& [name, ratio] : baseline.rows) {
-        Json const three{rounded(ratio.least), rounded(ratio.middle), rounded(ratio.greatest)};
-        out += fmt::format("{}  {}: {}", between, Json(name).dump(), three.dump());
-        between = ",\n";
+void record(Baselines& all, Baseline now) {
+    auto const same = std::ranges::find(all, now.machine, &Baseline::machine);
+    if (same != all.end()) *same = std::move(now);
+    else all.push_back(std::move(now));
+}
+
+std::string names_of(Baselines const& all) {
+    std::string out;
+    for (Baseline const& b : all)
+        out += fmt::format("{}{} ({} rows)", out.empty() ? "" : "; ", b.machine, b.rows.size());
+    return out.empty() ? "none" : out;
+}
+
+Baseline const& of_machine(Baselines const& all, std::string const& machine) {
+    auto const found = std::ranges::find(all, machine, &Baseline::machine);
+    if (found == all.end())
+        throw std::runtime_error(fmt::format("nothing is recorded of {}; recorded are: {}", machine, names_of(all)));
+    return *found;
+}
+
+std::string written(Baselines const& all) {
+    std::string out = fmt::format("{{\n \"unit_row\": \"{}\",\n \"machines\": {{", unit_row);
+    char const* between_machines = "\n";
+    for (Baseline const& b : all) {
+        out += fmt::format("{}  {}: {{\n   \"repetitions\": {},\n   \"rows\": {{", between_machines,
+                           Json(b.machine).dump(), b.repetitions);
+        char const* between = "\n";
+        for (auto const& [name, ratio] : b.rows) {
+            Json const three{rounded(ratio.least), rounded(ratio.middle), rounded(ratio.greatest)};
+            out += fmt::format("{}    {}: {}", between, Json(name).dump(), three.dump());
+            between = ",\n";
+        }
+        out += "\n   }\n  }";
+        between_machines = ",\n";
     }
     return out + "\n }\n}\n";
 }
 
-Baseline read_baseline(std::string const& text) {
-    Json const all = Json::parse(text);
-    if (all.at("unit_row") != unit_row) throw std::runtime_error(fmt::format("expected times over {}", unit_row));
-    Baseline out{all.at("machine"), all.at("repetitions"), {}};
-    for (auto const& [name, three] : all.at("rows").items()) {
-        if (three.size() != 3) throw std::runtime_error(fmt::format("{}: expected three numbers", name));
-        out.rows[name] = {three[0], three[1], three[2]};
+Baselines read_baselines(std::string const& text) {
+    Json const file = Json::parse(text);
+    if (file.at("unit_row") != unit_row) throw std::runtime_error(fmt::format("expected times over {}", unit_row));
+    Baselines out;
+    for (auto const& [machine, recorded] : file.at("machines").items()) {
+        Baseline& b = out.emplace_back(Baseline{machine, recorded.at("repetitions"), {}});
+        for (auto const& [name, three] : recorded.at("rows").items()) {
+            if (three.size() != 3) throw std::runtime_error(fmt::format("{}: expected three numbers", name));
+            b.rows[name] = {three[0], three[1], three[2]};
+        }
     }
     return out;
 }

@@ -1,4 +1,5 @@
-// What a run of the benchmarks leaves for later ones: each row's time over that of the unit row, and what moved since.
+// What a run of the benchmarks leaves for later ones on the same kind of machine: each row's time over that of the unit
+// row, and what moved since.
 #pragma once
 
 #include <map>
@@ -17,7 +18,7 @@ struct Ratio {
     bool operator==(Ratio const&) const = default;
 };
 struct Baseline {
-    std::string machine;  ///< processor and compiler
+    std::string machine;  ///< the kind: processor, instruction set and compiler
     int repetitions = 0;
     std::map<std::string, Ratio> rows;
 };
@@ -25,15 +26,25 @@ struct Baseline {
 /// Nanoseconds of each row, one for each repetition.
 using Times = std::map<std::string, std::vector<double>>;
 /// Of the JSON that Google Benchmark wrote. Throws nlohmann::json::exception for another.
+std::string machine_of_run(std::string const& run_json);
 Times times_of(std::string const& run_json);
 
 /// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the unit row, or where a row has
 /// fewer than five repetitions.
 Baseline baseline_of(std::string const& run_json);
 
-std::string written(Baseline const& baseline);
-/// Throws std::runtime_error for what written() does not write.
-Baseline read_baseline(std::string const& text);
+/// One for each kind of machine.
+using Baselines = std::vector<Baseline>;
+/// In place of the one of its kind of machine, or behind the others.
+void record(Baselines& all, Baseline now);
+/// "a processor, avx2, g++ 12.2.0 (871 rows); ...", or "none".
+std::string names_of(Baselines const& all);
+/// Throws std::runtime_error, with the kinds that were recorded, where this one was not.
+Baseline const& of_machine(Baselines const& all, std::string const& machine);
+
+std::string written(Baselines const& all);
+/// Throws std::runtime_error or nlohmann::json::exception for what written() does not write.
+Baselines read_baselines(std::string const& text);
 
 /// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where the
 /// repetitions of both runs are alike, n beside m do that with probability 2 n! m! / (n + m)! at most: 0.0006 for 7

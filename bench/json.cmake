@@ -37,7 +37,8 @@ file(READ ${WORK_DIR}/run.json json)
 expect_json("${json}")
 
 # A verb that is none, a file that is not there, a run without the rows that are asked for: no answer.
-foreach(words "" nothing "page;${WORK_DIR}/run.json" "limits;${WORK_DIR}/none.json" "table;${WORK_DIR}/run.json"
+foreach(words "" nothing "page;${WORK_DIR}/run.json" "limits;${WORK_DIR}/none.json;${WORK_DIR}/none.json"
+    "table;${WORK_DIR}/run.json"
     "run;--no_option")
   execute_process(COMMAND ${BENCH} ${words} RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE error)
   if(NOT code EQUAL 2 OR NOT error)

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 
 namespace {
 
@@ -16,9 +17,10 @@ using namespace rlslab::bench;
 constexpr char usage[] = R"(expected one of
   run [OPTION...]             times the rows; options of Google Benchmark
   page RUN.json PAGE.html     plots and tables of a run
-  check RUN.json BASELINE     what became slower since
-  record RUN.json BASELINE    makes the run the baseline
-  limits RUN.json             how the run stands to the limits of docs/speed.md
+  check RUN.json BASELINE     what became slower since, on this kind of machine
+  record RUN.json BASELINE    makes the run the baseline of its kind of machine
+  limits RUN.json BASELINE    the run's machine, those that were recorded, and how the run stands to the limits of
+                              docs/speed.md
   table RUN.json              nanoseconds at 4, 16 and 64 parameters beside dlib, as Markdown
   ranks [RANKS [PARAMETERS [ROWS [GROUP]]]]
                               rows a second of the ranks of an MPI job, which it starts by mpirun
@@ -29,10 +31,12 @@ auto of_run(char const* path, Make make) {
     return made_from(path, "not there (./lab bench makes it)", make);
 }
 
+/// What was recorded so far; nothing where there is no such file.
+Baselines recorded(char const* path) {
+    return std::filesystem::exists(path) ? made_from(path, "cannot be read", read_baselines) : Baselines{};
+}
+
 int check(Baseline const& before, Baseline const& now) {
-    if (before.machine != now.machine)
-        throw std::runtime_error(fmt::format("the baseline is of another machine or compiler ({}); this one is {}",
-                                             before.machine, now.machine));
     int slower = 0, rows = 0;
     for (auto const& [name, ratio] : now.rows) rows += int(before.rows.count(name));
     if (rows == 0) throw std::runtime_error("no row of the baseline is in the run");
@@ -60,14 +64,19 @@ int main(int argc, char** argv) try {
 #endif
     std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
     if (verb == "page" && argc == 4) return rlslab::replace_file(argv[3], page_of(of_run(argv[2], run_of))), 0;
-    if (verb == "limits" && argc == 3) return fmt::print("{}", table_of_limits(of_run(argv[2], times_of))), 0;
+    if (verb == "limits" && argc == 4) {
+        std::string const machine = of_run(argv[2], machine_of_run), table = table_of_limits(of_run(argv[2], times_of));
+        fmt::print("Of {}. Recorded: {}.\n\n{}", machine, names_of(recorded(argv[3])), table);
+        return 0;
+    }
     if (verb == "table" && argc == 3) return fmt::print("{}", table_of_times(of_run(argv[2], run_of))), 0;
     if ((verb != "check" && verb != "record") || argc != 4) throw std::runtime_error(usage);
     Baseline const now = of_run(argv[2], baseline_of);
-    if (verb == "check")
-        return check(made_from(argv[3], "not there (./lab bench --record makes it)", read_baseline), now);
-    rlslab::replace_file(argv[3], written(now));
-    fmt::print("{} rows recorded\n", now.rows.size());
+    Baselines all = recorded(argv[3]);
+    if (verb == "check") return check(of_machine(all, now.machine), now);
+    record(all, now);
+    rlslab::replace_file(argv[3], written(all));
+    fmt::print("{} rows recorded of {}\n", now.rows.size(), now.machine);
     return 0;
 } catch (std::exception const& error) {
     fmt::print(stderr, "rlslab_bench: {}\n", error.what());

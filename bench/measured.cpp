@@ -52,10 +52,7 @@ BenchRow measured(json const& row) {
 
 Run run_of(std::string const& run_json) {
     json const all = parsed_results(run_json);
-    json const& context = all.at("context");
-    Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"),
-                        context.value("compiler", "unknown compiler"), context.value("date", "").substr(0, 10)),
-            {}};
+    Run run{fmt::format("{}, {}", machine_of(all), all.at("context").value("date", "").substr(0, 10)), {}};
     // Interleaved repetitions end in any order; the page has that of the program.
     std::vector<json> rows = all.at("benchmarks");
     std::ranges::stable_sort(rows, {}, [](json const& row) { return row.value("family_index", 0); });

@@ -18,6 +18,14 @@ inline nlohmann::json parsed_results(std::string const& text) {
     return nlohmann::json::parse(std::regex_replace(text, not_finite, "$1null"));
 }
 
+/// The kind of machine of a run, by name: processor, instruction set, compiler.
+std::string machine_of(auto const& run) {
+    auto const& context = run.at("context");
+    return fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"),
+                       context.value("instructions", "unknown instruction set"),
+                       context.value("compiler", "unknown compiler"));
+}
+
 /// make(the text of the file). Throws std::runtime_error, with the file's name before any complaint; `missing` where
 /// there is none.
 template <class Make>

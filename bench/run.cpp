@@ -1,6 +1,8 @@
 // Runs the rows and prints one line for each: the time by which it is quoted, and its median if there are repetitions.
 #include "bench/verbs.hpp"
 
+#include <rlslab/linalg/isa_name.hpp>
+
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <fstream>
@@ -30,13 +32,13 @@ public:
     }
 };
 
-/// What Linux calls the processor.
-std::string processor() {
+/// What Linux says of the processor after this key; "?" where it says nothing.
+std::string processor(std::string const& key) {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
+        if (line.starts_with(key + '\t') && line.find(": ") != std::string::npos)
             return line.substr(line.find(": ") + 2);
-    return "unknown processor";
+    return "?";
 }
 
 }  // namespace
@@ -44,7 +46,10 @@ std::string processor() {
 int run_rows(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-    benchmark::AddCustomContext("cpu", processor());
+    // The name alone is that of several generations.
+    benchmark::AddCustomContext("cpu", fmt::format("{} (family {}, model {})", processor("model name"),
+                                                   processor("cpu family"), processor("model")));
+    benchmark::AddCustomContext("instructions", name_of(kernels::isa));
     benchmark::AddCustomContext("compiler", "g++ " __VERSION__);
     // With JSON or CSV, standard output has nothing else; otherwise it has one line for each row.
     benchmark::BenchmarkReporter* const chosen = benchmark::CreateDefaultDisplayReporter();

@@ -1,7 +1,7 @@
 // Options checked in one line, and answers written whole.
 #include "program/commands.hpp"
 
-#include <rlslab/linalg/dispatch.hpp>
+#include <rlslab/linalg/isa_name.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -164,8 +164,6 @@ void set_output_options(OutputOptions const& options) { output_options = options
 namespace {
 
 std::vector<std::string> command_words;
-
-char const* name_of(Isa isa) { return isa == Isa::avx512 ? "avx512" : isa == Isa::avx2 ? "avx2" : "baseline"; }
 
 }  // namespace
 

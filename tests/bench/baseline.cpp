@@ -9,13 +9,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 namespace {
 
 using namespace rlslab::bench;
 
 /// A run: the unit row, in its last repetition so many times as long, and a row whose times are these, both on a clock
 /// of its own.
-std::string run(std::vector<double> const& times, double clock = 1, double disturbed = 1) {
+std::string run(std::vector<double> const& times, double clock = 1, double disturbed = 1,
+                std::string const& instructions = "avx2") {
     std::string rows;
     for (size_t i = 0; i < times.size(); ++i)
         for (auto const& [name, time] : {std::pair{std::string(unit_row), i + 1 < times.size() ? 10.0 : 10 * disturbed},
@@ -23,7 +27,8 @@ std::string run(std::vector<double> const& times, double clock = 1, double distu
             rows += fmt::format(
                 R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
                 rows.empty() ? "" : ",", name, i, time * clock);
-    return R"({"context": {"cpu": "a processor", "compiler": "a compiler"}, "benchmarks": [)" + rows + "]}";
+    return R"({"context": {"cpu": "a processor", "compiler": "a compiler", "instructions": ")" + instructions +
+           R"("}, "benchmarks": [)" + rows + "]}";
 }
 std::vector<double> const quiet{100, 101, 102, 100, 103, 101, 102};
 
@@ -54,18 +59,53 @@ TEST(BenchBaseline, ReadsAnAggregateThatIsNotANumber) {
     EXPECT_EQ(baseline_of(text).rows, baseline_of(run(quiet)).rows);
 }
 TEST(BenchBaseline, IsReadBackAsItWasWritten) {
-    Baseline const made = baseline_of(run(quiet)), read = read_baseline(written(made));
-    EXPECT_EQ(read.machine, made.machine);
-    EXPECT_EQ(read.repetitions, 7);
-    ASSERT_EQ(read.rows.size(), 2u);
-    EXPECT_NEAR(read.rows.at("update/ud/double/16").greatest, 10.3, 1e-3);
+    Baselines const made{baseline_of(run(quiet)), baseline_of(run(quiet, 1, 1, "avx512"))};
+    Baselines const read = read_baselines(written(made));
+    ASSERT_EQ(read.size(), 2u);
+    EXPECT_EQ(read[0].machine, "a processor, avx2, a compiler");
+    EXPECT_EQ(read[1].machine, machine_of_run(run(quiet, 1, 1, "avx512")));
+    EXPECT_EQ(read[0].repetitions, 7);
+    ASSERT_EQ(read[0].rows.size(), 2u);
+    EXPECT_NEAR(read[0].rows.at("update/ud/double/16").greatest, 10.3, 1e-3);
     EXPECT_EQ(written(read), written(made));
+    EXPECT_TRUE(read_baselines(written({})).empty());
+}
+TEST(BenchBaseline, OfOneKindOfMachineLeavesTheOthers) {
+    Baselines all{baseline_of(run(quiet)), baseline_of(run(quiet, 1, 1, "avx512"))};
+    auto const other = all[1].rows;
+    Baseline const now = baseline_of(run({115, 112, 111, 118, 113, 112, 114}));
+    record(all, now);
+    ASSERT_EQ(all.size(), 2u);
+    EXPECT_EQ(of_machine(all, now.machine).rows, now.rows);
+    EXPECT_EQ(all[1].rows, other);
+    record(all, baseline_of(run(quiet, 1, 1, "baseline")));
+    EXPECT_EQ(names_of(all),
+              "a processor, avx2, a compiler (2 rows); a processor, avx512, a compiler (2 rows); "
+              "a processor, baseline, a compiler (2 rows)");
+    EXPECT_EQ(names_of({}), "none");
+    try {
+        of_machine(all, "another, avx2, a compiler");
+        FAIL() << "nothing is recorded of it";
+    } catch (std::runtime_error const& error) {
+        EXPECT_THAT(error.what(),
+                    testing::AllOf(testing::HasSubstr("another, avx2, a compiler"), testing::HasSubstr(names_of(all))));
+    }
+}
+/// The file of the tree: what was recorded is still there.
+TEST(BenchBaseline, OfTheTreeIsReadAndWrittenAsItStands) {
+    std::string const path = RLSLAB_SOURCE_DIR "/bench/baseline.json";
+    std::ifstream file(path);
+    std::string const text{std::istreambuf_iterator<char>(file), {}};
+    Baselines const all = read_baselines(text);
+    ASSERT_FALSE(all.empty());
+    for (Baseline const& b : all) EXPECT_EQ(b.rows.count(unit_row), 1u) << b.machine;
+    EXPECT_EQ(written(all), text);
 }
 TEST(BenchBaseline, RefusesWhatCannotBeCompared) {
     EXPECT_THROW(baseline_of(run({100, 100, 100, 100})), std::runtime_error) << "four repetitions";
     EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no unit row";
     EXPECT_THROW(baseline_of("not JSON"), std::exception);
-    EXPECT_THROW(read_baseline("{}"), std::exception);
+    EXPECT_THROW(read_baselines("{}"), std::exception);
 }
 
 TEST(BenchLimits, GiveARatioOfMediansAndItsInterval) {
@@ -125,14 +165,15 @@ TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {
     add("block/ud/double/4", 3, 3), add("update/ud/double/8", 3, 3), add("peer/liquid/double/4", 3, 3);
     auto const table = [](std::string const& of) {
         return table_of_times(run_of(
-            R"({"context": {"cpu": "a processor", "compiler": "g++", "date": "2026-11-23T01:02"}, "benchmarks": [)" +
+            R"({"context": {"cpu": "a processor", "instructions": "avx2", "compiler": "g++",
+                "date": "2026-11-23T01:02"}, "benchmarks": [)" +
             of + "]}"));
     };
     EXPECT_EQ(table(rows),
               "| ns an update, `double` | 4 parameters | 16 | 64 |\n|---|---|---|---|\n"
               "| `ud` | 30 |  | 1300 |\n| `conventional` |  | 80 |  |\n| `qr` | 35 + 18 |  |  |\n| dlib's `rls` | 140 "
               "|  |  |\n"
-              "\na processor, g++, 2026-11-23. After +: what `theta()` takes where it has to be solved for.\n");
+              "\na processor, avx2, g++, 2026-11-23. After +: what `theta()` takes where it has to be solved for.\n");
     EXPECT_THROW(table(""), std::runtime_error);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <string_view>
 
 namespace rlslab {
 namespace {
@@ -15,7 +16,7 @@ struct IsaOfTests : testing::Environment {
         char const* const asked = std::getenv("RLSLAB_TEST_ISA");
         if (asked == nullptr) return;
         for (Isa isa : all_isas)
-            if (name_of(isa) == asked && isa <= kernels::best_isa()) {
+            if (asked == std::string_view(name_of(isa)) && isa <= kernels::best_isa()) {
                 kernels::isa = isa;
                 return;
             }

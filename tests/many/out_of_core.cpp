@@ -5,6 +5,7 @@
 
 #include <rlslab/many/fold_all.hpp>
 #include <rlslab/input/row_file.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <gmock/gmock.h>
@@ -24,15 +25,21 @@ namespace fs = std::filesystem;
 using files::Folder, files::message_of;
 using testing::HasSubstr;
 using F = QrBlock<double>;
-static_assert(RowSource<RowFile> && RowSource<RowsInMemory>);
+static_assert(RowSource<RowFile> && !RowsInPlace<RowFile> && RowsInPlace<RowsInMemory>);
 
-std::string file_of(Folder const& folder, Records const& records) {
-    std::string rows;
+std::string file_of(Folder const& folder, Records const& records, std::string const& header = "") {
+    std::string rows = header;
     for (Index k = 0; k < records.rows(); ++k) {
         rows.append(reinterpret_cast<char const*>(records.psi.col(k).data()), size_t(records.parameters()) * 8);
         rows.append(reinterpret_cast<char const*>(&records.y[k]), 8);
     }
     return folder.file(rows, "rows.bin");
+}
+/// A .npy file's beginning, as numpy.save writes it: 128 bytes for the shapes here.
+std::string header_of(std::string const& shape, std::string const& type = "<f8", std::string const& fortran = "False") {
+    std::string text = "{'descr': '" + type + "', 'fortran_order': " + fortran + ", 'shape': " + shape + ", }";
+    text.resize(117, ' ');
+    return std::string("\x93NUMPY\1\0\x76\0", 10) + text + '\n';
 }
 std::string file_of_bytes(Folder const& folder, size_t bytes) {
     return folder.file(std::string(bytes, '\0'), "rows.bin");
@@ -41,14 +48,19 @@ std::string file_of_bytes(Folder const& folder, size_t bytes) {
 TEST(OutOfCore, TheBitsAreTheSameForAnyNumberOfThreadsAndFromAFile) {
     Records const records = laws::noise_records(5, 1003, Seed{51});
     Folder const folder;
-    std::string const path = file_of(folder, records);
+    std::string const path = file_of(folder, records), array = (folder.path / "rows.npy").string();
+    fs::rename(file_of(folder, records, header_of("(1003, 6)")), array);
+    file_of(folder, records);
     for (auto const& p : {laws::problem(5, 0.999), Problem<double>{.size = 5, .prior = std::nullopt}}) {
-        F const one = fold_all<F>(p, RowsInMemory(records), 1, 100);
-        for (unsigned threads : {1u, 2u, 3u, 16u}) {
-            RowFile const file(path, 5);
-            EXPECT_EQ(fold_all<F>(p, file, threads, 100).stored().F, one.stored().F) << threads;
-            EXPECT_EQ(fold_all<F>(p, RowsInMemory(records), threads, 100).theta(), one.theta()) << threads;
+        for (Index part : {Index(100), Index(256), rows_a_part}) {
+            auto const one = state_of(fold_all<F>(p, RowsInMemory(records), 1, part));
+            for (unsigned threads : {1u, 2u, 3u, 16u}) {
+                EXPECT_EQ(state_of(fold_all<F>(p, RowFile(path, 5), threads, part)), one) << threads;
+                EXPECT_EQ(state_of(fold_all<F>(p, RowFile(array), threads, part)), one) << threads;
+                EXPECT_EQ(state_of(fold_all<F>(p, RowsInMemory(records), threads, part)), one) << threads;
+            }
         }
+        F const one = fold_all<F>(p, RowsInMemory(records), 1, 100);
         // Another division into parts rounds otherwise; the answer is the same.
         F all(p);
         all.update_block(records.psi, records.y);
@@ -96,6 +108,33 @@ TEST(RowFile, SaysWhatIsWrongAndWithWhichFile) {
     EXPECT_THAT(opening(file_of_bytes(folder, 83)), Names("rows.bin 5 40 83 3"));
     EXPECT_THROW(RowFile(file_of_bytes(folder, 80), 0), std::invalid_argument);
 }
+TEST(RowFile, TakesAnArrayOfNumPyAndRefusesEveryOther) {
+    Folder const folder;
+    std::string const numbers(20 * 5 * 8, '\0');
+    auto const opening = [&](std::string const& bytes, std::optional<Index> size = std::nullopt) {
+        return message_of([&] { RowFile(folder.file(bytes, "rows.npy"), size); });
+    };
+    std::string const good = header_of("(20, 5)") + numbers;
+    EXPECT_EQ(opening(good), "no error");
+    EXPECT_EQ(opening(good, 4), "no error");
+    EXPECT_THAT(opening(good, 3), Names("rows.npy 4 20 5"));
+    EXPECT_THAT(opening(header_of("(20, 5)", "<f4") + numbers), Names("rows.npy float64 <f4"));
+    EXPECT_THAT(opening(header_of("(20, 5)", ">f8") + numbers), Names("rows.npy order >f8"));
+    EXPECT_THAT(opening(header_of("(20, 5)", "<f8", "True") + numbers), Names("rows.npy C 'fortran_order': True"));
+    for (char const* shape : {"(100,)", "(5, 4, 5)", "()", "(20, -)", "(99999999999999999999, 5)"})
+        EXPECT_THAT(opening(header_of(shape) + numbers), Names("rows.npy two"));
+    EXPECT_THAT(opening(header_of("(100, 1)") + numbers), Names("rows.npy 2 100 1"));
+    EXPECT_THAT(opening(header_of("(100, -5)") + numbers), Names("rows.npy 2"));
+    EXPECT_THAT(opening(header_of("(0, 5)")), Names("rows.npy no rows"));
+    for (char const* shape : {"(21, 5)", "(19, 5)", "(20, 6)", "(20, 9223372036854775807)", "(9223372036854775807, 5)"})
+        EXPECT_THAT(opening(header_of(shape) + numbers), Names("rows.npy 800"));
+    for (size_t left : {0, 6, 8, 11, 127}) {
+        std::string const cut = left == 0 ? "empty" : "header";
+        EXPECT_THAT(opening(good.substr(0, left)), Names("rows.npy " + cut)) << left;
+    }
+    EXPECT_THAT(opening(good.substr(0, 927)), Names("rows.npy 20 5 799"));
+    EXPECT_THAT(opening(numbers), Names("rows.npy .npy number parameters"));
+}
 TEST(RowFile, ReadsAnyRowsAndNoOthers) {
     Records const records = laws::noise_records(4, 20, Seed{53});
     Folder const folder;
@@ -109,6 +148,10 @@ TEST(RowFile, ReadsAnyRowsAndNoOthers) {
     EXPECT_THROW(file.read(-1, block), std::invalid_argument);
     fs::resize_file(folder.path / "rows.bin", 18 * 40);
     EXPECT_THAT(message_of([&] { file.read(17, block); }), Names("rows.bin shorter"));
+    RowFile const array(file_of(folder, records, header_of("(20, 5)")));
+    ASSERT_EQ(array.size(), 4);
+    array.read(17, block);
+    EXPECT_EQ(block.row(4).transpose(), records.y.tail(3));
 }
 
 /// A process that may have 64 MB more than it has now folds a file of 160 MB, most of it a hole that reads as zeros.

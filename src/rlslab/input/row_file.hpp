@@ -1,20 +1,26 @@
-// Rows of binary64 numbers in a file of any size. Any part can be read, with memory for that part only.
+// Rows of binary64 numbers in a file of any size, with NumPy's header or without. Any part can be read, with memory for
+// that part only.
 #pragma once
 
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/core/problem.hpp>
 
+#include <optional>
 #include <string>
 
 namespace rlslab {
 
-/// A file of rows [psi_1 ... psi_d y] of binary64 numbers in the machine's byte order, without header or separators, as
-/// `numpy.ndarray.tofile` writes them. A RowSource for fold_all: any number of threads may read at the same time.
+/// A file of rows [psi_1 ... psi_d y] of binary64 numbers in the machine's byte order, without separators: as
+/// `numpy.save` writes an array of N x (d + 1) (a .npy file, known by its first bytes), or without a header, as
+/// `numpy.ndarray.tofile` does. A RowSource for fold_all: any number of threads may read at the same time. Not mapped
+/// into memory: docs/scale.md has the times of both.
 class RowFile {
 public:
-    /// Throws InputError naming the file when it cannot be opened, is a directory or a pipe, holds no row, or does not
-    /// hold a whole number of rows; std::invalid_argument unless 1 <= size < 2^48.
-    RowFile(std::string const& path, Index size);
+    /// size: d; a .npy file has it in its header. Throws InputError naming the file when it cannot be opened, is a
+    /// directory or a pipe, holds no row, or does not hold a whole number of rows; of a .npy file when its numbers are
+    /// of another type or not row by row, when it is not an array of N x (d + 1), and when its length is not that of
+    /// its header and N rows. std::invalid_argument unless 1 <= size < 2^48.
+    explicit RowFile(std::string const& path, std::optional<Index> size = std::nullopt);
     RowFile(RowFile const&) = delete;
     RowFile& operator=(RowFile const&) = delete;
     ~RowFile();
@@ -29,8 +35,13 @@ public:
 
 private:
     std::string file_;
-    Index size_, rows_ = 0;
+    Index size_ = 0, rows_ = 0, begin_ = 0;  // begin_: where the rows begin, in bytes
     int descriptor_;
+
+    [[noreturn]] void refuse(std::string const& why) const;
+    void find_rows(std::optional<Index> size);
+    void find_array(Index bytes, std::optional<Index> size);
+    void read_bytes(char* to, std::size_t left, Index at) const;
 };
 
 }  // namespace rlslab

@@ -24,6 +24,14 @@ concept RowSource = requires(S const s, Index first, Matrix<double> block) {
     s.read(first, block);
 };
 
+/// A source whose rows are in memory: they are processed where they are, without a copy.
+///   psi(first, B), y(first, B)     d x B and B numbers of the rows first, first + 1, ..., as expressions of Eigen
+template <class S>
+concept RowsInPlace = RowSource<S> && requires(S const s, Index first) {
+    s.psi(first, first).cols();
+    s.y(first, first).size();
+};
+
 /// Records as a source. The records must outlive it. Throws std::invalid_argument unless they have as many outputs as
 /// rows.
 class RowsInMemory {
@@ -35,9 +43,11 @@ public:
     }
     Index size() const { return records_->parameters(); }
     Index rows() const { return records_->rows(); }
+    auto psi(Index first, Index rows) const { return records_->psi.middleCols(first, rows); }
+    auto y(Index first, Index rows) const { return records_->y.segment(first, rows); }
     void read(Index first, Eigen::Ref<Matrix<double>> block) const {
-        block.topRows(size()) = records_->psi.middleCols(first, block.cols());
-        block.bottomRows(1) = records_->y.segment(first, block.cols()).transpose();
+        block.topRows(size()) = psi(first, block.cols());
+        block.bottomRows(1) = y(first, block.cols()).transpose();
     }
 };
 
@@ -52,9 +62,9 @@ inline constexpr Index rows_a_part = 4096;
 ///   ((F(problem) + part 0) + part 1) + ...
 ///
 /// The bits depend on B, not on the number of threads (0: one for each core), also if the arithmetic takes a length or
-/// a random stream from the calling thread (ThreadState). Memory: one part and two filters for each thread, for any N.
-/// Throws what the source and F throw; std::invalid_argument if the source does not have the problem's size, or if B <
-/// 1. Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+/// a random stream from the calling thread (ThreadState). Memory: two filters and, unless the rows are in place, one
+/// part for each thread, for any N. Throws what the source and F throw; std::invalid_argument if the source does not
+/// have the problem's size, or if B < 1. Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Merges F, RowSource Source>
 F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0,
            Index part = rows_a_part) {
@@ -73,14 +83,18 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
     std::condition_variable turn;
     auto const work = [&] {
         try {
-            Matrix<double> block(source.size() + 1, std::min(part, rows));
+            Matrix<double> block(RowsInPlace<Source> ? 0 : source.size() + 1, std::min(part, rows));
             for (Index i = next++; i < parts; i = next++) {
                 typename ThreadState<typename F::scalar>::Part const here_as_there(state, std::uint64_t(i));
                 F newer(without_prior);
                 Index const here = std::min(part, rows - i * part);
-                source.read(i * part, block.leftCols(here));
-                process(newer, block.topRows(source.size()).leftCols(here),
-                        block.row(source.size()).head(here).transpose());
+                if constexpr (RowsInPlace<Source>) {
+                    process(newer, source.psi(i * part, here), source.y(i * part, here));
+                } else {
+                    source.read(i * part, block.leftCols(here));
+                    process(newer, block.topRows(source.size()).leftCols(here),
+                            block.row(source.size()).head(here).transpose());
+                }
                 std::unique_lock lock(mutex);
                 turn.wait(lock, [&] { return merged == i || failure; });
                 if (failure) return;
