@@ -2,7 +2,7 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include "program/definitions.hpp"
 
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/study.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 #include "program/bibliography.hpp"
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/core/rounding.hpp>
 #include <rlslab/input/suggestion.hpp>

@@ -2,10 +2,10 @@
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
 #include "program/study_options.hpp"
-#include "studies/engine/factors.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/latex.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/factors.hpp>
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/latex.hpp>
+#include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>

@@ -1,8 +1,8 @@
 // The options that every run of trials has, and such a run: whole, or a part of it.
 #include "program/study_options.hpp"
 #include "report/svg.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/report.hpp"
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/report.hpp>
 
 #include <rlslab/core/files.hpp>
 #include <rlslab/core/input_error.hpp>

@@ -1,10 +1,10 @@
 // The text of the report. report/ makes its page, figures and formulas.
-#include "studies/engine/report.hpp"
+#include <rlslab/studies/report.hpp>
 
 #include "report/page.hpp"
-#include "studies/engine/interval.hpp"
+#include <rlslab/studies/interval.hpp>
 #include "report/revision.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/verdicts.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/run.hpp>
 
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/core/input_error.hpp>
 

@@ -5,8 +5,8 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include "report/progress.hpp"
 #include "report/provenance.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/study.hpp>
 
 #include <filesystem>
 #include <optional>
