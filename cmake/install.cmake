@@ -6,6 +6,7 @@
 #   c         what it needs to be compiled: rlslab.h, librlslab.so, librlslab.a (rlslab::c, rlslab::c_static)
 #   core      the compiled reference, multiprecision, data files
 #   catalogue every variant in every arithmetic by name, compiled
+#   studies   the engine of studies, for studies of one's own
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
 #   python    the Python package (python/CMakeLists.txt)
@@ -44,6 +45,15 @@ endif()
 if(TARGET rlslab_catalogue_archive)
   list(APPEND components catalogue)
   list(APPEND found_by_pkgconfig rlslab-catalogue)
+endif()
+if(TARGET rlslab_studies_archive)
+  list(APPEND components studies)
+  foreach(header study table interval judgements scenarios checkpoints study_main)
+    install(FILES ${PROJECT_SOURCE_DIR}/studies/engine/${header}.hpp DESTINATION
+        ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/studies COMPONENT studies)
+  endforeach()
+  install(FILES ${PROJECT_SOURCE_DIR}/report/formulas.cmake ${PROJECT_SOURCE_DIR}/report/formulas.lua
+    DESTINATION ${package_dir} COMPONENT studies)
 endif()
 if(TARGET rlslab_sparse)
   list(APPEND components sparse)

@@ -132,6 +132,7 @@ std::vector<Folder> const house{
     {"examples/drift_and_silence", {"src/rlslab/many", "variants"}},
     {"examples/many_sensors", {"src/rlslab/many", "variants"}},
     {"examples/chosen_at_run_time", {"catalogue/native"}},
+    {"examples/own_study", {"studies/engine"}},
     {"examples/microcontroller", {"src/rlslab/many", "variants"}},
     {"examples/microcontroller/board", {}},
     {"tests/python", {"variants"}},
