@@ -10,7 +10,9 @@
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -41,8 +43,10 @@ std::string listed(std::string_view head, std::vector<std::string> const& lines)
 /// The record of verdicts in a file. Throws InputError for what cannot be read or is none.
 Record record_in(std::string const& path) {
     std::ifstream file(path, std::ios::binary);
+    std::error_code error;
+    if (!file || std::filesystem::is_directory(path, error))
+        throw InputError(fmt::format("--against: {}: cannot be read", printable(path, 200)));
     std::string const text{std::istreambuf_iterator<char>(file), {}};
-    if (!file) throw InputError(fmt::format("--against: {}: cannot be read", printable(path, 200)));
     try {
         return record_from(text);
     } catch (InputError const& error) {
