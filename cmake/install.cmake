@@ -6,6 +6,7 @@
 #   c         what it needs to be compiled: rlslab.h, librlslab.so, librlslab.a (rlslab::c, rlslab::c_static)
 #   core      the compiled reference, multiprecision, data files
 #   catalogue every variant in every arithmetic by name, compiled
+#   studies   the engine of studies, for studies of one's own
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
 #   python    the Python package (python/CMakeLists.txt)
@@ -14,9 +15,10 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# In the tree rlslab/variants and rlslab/catalogue are links: they are installed from where they are.
+# In the tree rlslab/variants, rlslab/catalogue and rlslab/studies are links: they are installed from where they are.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
-  FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN catalogue EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN catalogue EXCLUDE
+  PATTERN studies EXCLUDE)
 foreach(room variants catalogue)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/${room} COMPONENT
       headers
@@ -43,6 +45,15 @@ endif()
 if(TARGET rlslab_catalogue_archive)
   list(APPEND components catalogue)
   list(APPEND found_by_pkgconfig rlslab-catalogue)
+endif()
+if(TARGET rlslab_studies_archive)
+  list(APPEND components studies)
+  foreach(header study table interval judgements scenarios checkpoints study_main)
+    install(FILES ${PROJECT_SOURCE_DIR}/studies/engine/${header}.hpp DESTINATION
+        ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/studies COMPONENT studies)
+  endforeach()
+  install(FILES ${PROJECT_SOURCE_DIR}/report/formulas.cmake ${PROJECT_SOURCE_DIR}/report/formulas.lua
+    DESTINATION ${package_dir} COMPONENT studies)
 endif()
 if(TARGET rlslab_sparse)
   list(APPEND components sparse)

@@ -65,15 +65,19 @@ set(recommended "")
 if(TARGET rlslab_core)
   set(recommended "libboost-dev (>= 1.74), libflint-arb-dev, libflint-dev, libmpfr-dev, libgmp-dev, libfmt-dev (>= 9)")
 endif()
+if(TARGET rlslab_studies_archive)
+  string(APPEND recommended ", libtbb-dev (>= 2021)")
+endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "${recommended}")
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS pandoc)
 if(TARGET rlslab_sparse)
-  set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS libsuitesparse-dev)
+  string(APPEND CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS ", libsuitesparse-dev")
 endif()
 set(CPACK_DEBIAN_DEV_DESCRIPTION "C++20 headers of every textbook variant of recursive least squares, which
 need Eigen alone; static libraries: any variant by name in float and double,
-or in any arithmetic, and the certified reference; rlslab.h for C. Found by
-CMake (find_package(rlslab)) and pkg-config (rlslab, rlslab-c, rlslab-native,
-rlslab-core).")
+or in any arithmetic, the certified reference, and the engine of studies;
+rlslab.h for C. Found by CMake (find_package(rlslab)) and pkg-config (rlslab,
+rlslab-c, rlslab-native, rlslab-core).")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rlslab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -13,14 +13,8 @@ using namespace report;
 namespace {
 
 struct CommandLine {
-    CLI::App app{
-        "Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
-        "rlslab"};
-    std::vector<Command> const commands{compare_command(app),    sweep_command(app),    study_command(app),
-                                        merge_command(app),      identify_command(app), simulate_command(app),
-                                        excitation_command(app), state_command(app),    list_command(app),
-                                        example_command(app),    cite_command(app),     help_command(app),
-                                        man_command(app),        completion_command(app)};
+    CLI::App app{this_program.question, program_name()};
+    std::vector<Command> const commands = this_program.commands(app);
 
     OutputOptions output_options;
     bool version = false, json = false;
@@ -29,7 +23,7 @@ struct CommandLine {
         app.add_flag("--version", version,
                      "the version of rlslab; with --json also revision, compiler, instruction set");
         app.add_flag("--json", json, "with --version: as JSON");
-        app.footer("rlslab help COMMAND has more about one of them, man rlslab all of it.");
+        app.footer(this_program.more);
         app.require_subcommand(0, 1);  // a file may be called "list"
         app.formatter_fn(
             [](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
@@ -105,7 +99,8 @@ struct CommandLine {
         auto const asked = app.get_subcommands().front();  // the program itself requires nothing
         for (CommandOption const& one : options_of(*asked))
             if (one.name == name || one.value == name)
-                return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
+                return fmt::format("{0}: expected {1} ({2} {0} --help)", asked->get_name(), one.spelling(),
+                                   program_name());
         return text;
     }
     /// An unknown word is reported before anything else: a missing option is often a misspelt one.
@@ -117,16 +112,18 @@ struct CommandLine {
         CLI::App const& misled = own.empty() && asked != commands.end() ? *asked->app : app;
         std::string const word = own.empty() ? all.front() : own.front();
         if (word.starts_with("-")) refuse_option(misled, word.substr(0, word.find('=')));
-        if (std::error_code no_file; &misled == &app && std::filesystem::is_regular_file(word, no_file))
+        std::vector<std::string> const known = names();
+        bool const compares = &misled == &app && std::ranges::find(known, "compare") != known.end();
+        if (std::error_code no_file; compares && std::filesystem::is_regular_file(word, no_file))
             throw InputError(fmt::format(
                 "\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
                 "if it is a filter's state",
                 printable(word, 1000)));
-        if (&misled == &app && word == "advise")
+        if (compares && word == "advise")
             throw InputError("advise: it is rlslab compare --digits N now, with the same options");
-        if (&misled == &app) expect_one_of(views(names()), word, "", "command");
-        throw InputError(
-            fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
+        if (&misled == &app) expect_one_of(views(known), word, "", "command");
+        throw InputError(fmt::format("\"{}\" is one word too many ({} {} --help)", printable(word), program_name(),
+                                     misled.get_name()));
     }
     /// Names without their dashes are compared: these would make short ones alike.
     [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
@@ -135,8 +132,7 @@ struct CommandLine {
             known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
         std::string_view const meant =
             nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
-        std::string const help =
-            misled.get_parent() ? fmt::format("rlslab {} --help", misled.get_name()) : "rlslab --help";
+        std::string const help = program_name() + (misled.get_parent() ? ' ' + misled.get_name() : "") + " --help";
         throw InputError(fmt::format("no option \"{}\" ({})", printable(word),
                                      meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
     }
@@ -178,7 +174,8 @@ std::function<int()> parse(std::vector<std::string> words) {
                 set_output_options(line->output_options);
                 return run();
             };
-    throw InputError(fmt::format("expected a command: {} (rlslab --help has more)", fmt::join(line->names(), ", ")));
+    throw InputError(
+        fmt::format("expected a command: {} ({} --help has more)", fmt::join(line->names(), ", "), program_name()));
 }
 
 }  // namespace rlslab::program

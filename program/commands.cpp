@@ -163,14 +163,16 @@ void set_output_options(OutputOptions const& options) { output_options = options
 
 namespace {
 
-std::vector<std::string> command_words;
+std::vector<std::string> command_words{"rlslab"};
 
 }  // namespace
 
-void set_command(std::vector<std::string> const& words) {
+std::string const& program_name() { return command_words.front(); }
+
+void set_command(std::vector<std::string> const& words, std::string const& name) {
     static constexpr std::string_view with_value[] = {"--out", "--threads", "--color", "--part", "--from"},
                                       alone[] = {"--json", "--csv", "--quiet", "--fresh"};
-    command_words = {"rlslab"};
+    command_words = {name};
     for (size_t i = 0; i < words.size(); ++i) {
         std::string_view const name = std::string_view(words[i]).substr(0, words[i].find('='));
         if (std::ranges::find(alone, words[i]) != std::end(alone)) continue;

@@ -61,8 +61,10 @@ struct OutputOptions {
 /// Sets them for this process.
 void set_output_options(OutputOptions const& options);
 
-/// The words of this process's command line, without the program's name.
-void set_command(std::vector<std::string> const& words);
+/// The words of this process's command line, without the program's name, and that name.
+void set_command(std::vector<std::string> const& words, std::string const& name = "rlslab");
+/// "rlslab", or that of a program of somebody's own studies.
+std::string const& program_name();
 /// Of the kernels that run here: "baseline", "avx2", "avx512".
 char const* instruction_set();
 /// The run that an answer is from: the command without the words that change no byte of it (--out, --threads, --json,
@@ -97,6 +99,15 @@ Command cite_command(CLI::App& app);
 Command help_command(CLI::App& app);
 Command man_command(CLI::App& app);         ///< not shown: for the build
 Command completion_command(CLI::App& app);  ///< not shown: for the build
+
+/// What a command line is for, and its commands. A program links one: rlslab's, or that of somebody's own studies.
+struct ThisProgram {
+    char const* question;                             ///< the first line of its help
+    char const* more;                                 ///< the last
+    char const* answer_is_no;                         ///< what exit code 1 says
+    std::vector<Command> (*commands)(CLI::App& app);  ///< in the order of the help
+};
+extern ThisProgram const this_program;
 
 /// Parses and checks the words of a command line (without the program's name). The function returned runs the command
 /// and returns the exit code. Throws InputError for words that are no valid command.

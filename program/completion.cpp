@@ -3,7 +3,7 @@
 #include "program/definitions.hpp"
 #include "program/examples.hpp"
 
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/study.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,6 +2,8 @@
 // written here.
 #include "program/definitions.hpp"
 
+#include "program/commands.hpp"
+
 #include <fmt/format.h>
 
 namespace rlslab::program {
@@ -39,7 +41,7 @@ std::vector<CLI::App const*> shown_commands(CLI::App const& app) {
 }
 
 std::string usage(CLI::App const& command) {
-    std::string out = command.get_parent() ? "rlslab " + command.get_name() : "rlslab COMMAND";
+    std::string out = program_name() + ' ' + (command.get_parent() ? command.get_name() : "COMMAND");
     for (CommandOption const& one : options_of(command))
         if (one.name.empty() || one.required) out += ' ' + one.spelling();
     return out + " [OPTION...]";
@@ -48,15 +50,13 @@ std::string usage(CLI::App const& command) {
 std::vector<Meaning> const& exit_codes() {
     static std::vector<Meaning> const list{
         {"0", "Answered."},
-        {"1",
-         "Answered, and the answer is no: a verdict changed or a verification failed (study), no arithmetic that was "
-         "shown keeps enough digits (compare), the variant broke down (identify), the input identifies no model "
-         "(excitation)."},
+        {"1", fmt::format("Answered, and the answer is no: {}.", this_program.answer_is_no)},
         {"2",
          "Not answered: words or data that make no sense, a file that cannot be read or written. One line on standard "
          "error says what was expected."},
         {"130", "Stopped by Ctrl-C. A study goes on from there when the same command is run again."},
-        {"141", "Whoever read the answer has closed the pipe (rlslab list | head -1). Nothing is said."},
+        {"141", fmt::format("Whoever read the answer has closed the pipe ({} list | head -1). Nothing is said.",
+                            program_name())},
     };
     return list;
 }

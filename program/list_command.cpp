@@ -3,7 +3,7 @@
 #include "program/bibliography.hpp"
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/core/rounding.hpp>
 #include <rlslab/input/suggestion.hpp>
@@ -114,7 +114,8 @@ void run_list(std::string const& part, std::vector<std::string> const& words, bo
     for (auto const& [name, text] : parts) names.push_back(name);
     if (!part.empty()) expect_one_of(names, part, "list", "part");
     if (!words.empty() && part != "studies")
-        throw InputError(fmt::format("\"{}\" is one word too many (rlslab list --help)", printable(words.front())));
+        throw InputError(
+            fmt::format("\"{}\" is one word too many ({} list --help)", printable(words.front()), program_name()));
     Json out;
     std::string text;
     for (auto const& [name, text_of] : parts)
@@ -130,13 +131,14 @@ Command list_command(CLI::App& app) {
     auto const part = std::make_shared<std::string>();
     auto const words = std::make_shared<std::vector<std::string>>();
     CLI::App* const listing = app.add_subcommand("list", "What there is: variants, arithmetics, studies.");
-    listing->footer(
-        "Example:          rlslab list variants --json\n"
-        "By paper:         rlslab list studies Bierman 1977\n"
-        "By subject:       rlslab list studies forgetting\n\n"
+    listing->footer(fmt::format(
+        "Example:          {0} list variants --json\n"
+        "By paper:         {0} list studies Bierman 1977\n"
+        "By subject:       {0} list studies forgetting\n\n"
         "Studies are found by their text: name, subject, question, source, data, result and claims. All words have to "
         "be there.\n\n"
-        "Exit code: 0; 2 no study has these words.");
+        "Exit code: 0; 2 no study has these words.",
+        program_name()));
     listing->add_option("PART", *part, "variants, arithmetics, rounding or studies; default: all")->type_name("");
     listing->add_option("WORD", *words, "behind studies: those about all these words, such as an author and a year")
         ->type_name("");

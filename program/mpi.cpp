@@ -24,12 +24,12 @@ std::string refused(Words const& words) {
                 return std::string(option) + ": does not go with ranks, which are the parts of a run";
     return "";
 }
-/// The words for one rank. Verdicts are recorded at the end, by the first.
+/// The words for one rank. Verdicts are recorded and compared at the end, by the first.
 Words part_of(Words const& words, int rank, int ranks) {
     Words out;
     for (size_t i = 0; i < words.size(); ++i) {
-        if (words[i] == "--record") ++i;
-        else if (!is_option(words[i], "--record")) out.push_back(words[i]);
+        if (words[i] == "--record" || words[i] == "--against") ++i;
+        else if (!is_option(words[i], "--record") && !is_option(words[i], "--against")) out.push_back(words[i]);
     }
     out.insert(out.end(), {"--part", std::to_string(rank + 1) + "/" + std::to_string(ranks), "--quiet"});
     return out;

@@ -24,17 +24,17 @@ void prepare_process() {
         if (::fcntl(file, F_GETFD) < 0) (void)!::open("/dev/null", file == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-int run(std::vector<std::string> const& words, int rank) {
+int run(std::vector<std::string> const& words, int rank, std::string const& name) {
     bool understood = false;
     try {
-        set_command(words);
+        set_command(words, name);
         auto const command = parse(words);
         understood = true;
         return command();
     } catch (std::bad_alloc const&) {
-        std::fputs("rlslab: out of memory\n", stderr);
+        std::fprintf(stderr, "%s: out of memory\n", name.c_str());
     } catch (std::exception const& error) {
-        if (understood || rank == 0) std::fprintf(stderr, "rlslab: %s\n", error.what());
+        if (understood || rank == 0) std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
     }
     return 2;
 }

@@ -2,15 +2,17 @@
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
 #include "program/study_options.hpp"
-#include "studies/engine/factors.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/latex.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/factors.hpp>
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/latex.hpp>
+#include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -22,9 +24,10 @@ namespace {
 struct StudyArguments : StudyRun {
     std::vector<std::string> names;
     bool all = false, describe = false;
-    std::string budget = "quick", record;
+    std::string budget = "quick", record, against;
     std::vector<std::string> set;      // "kappa=1e2,1e4"
     std::vector<Study const*> chosen;  // from names and all
+    Record known;                      // what the verdicts are compared with
 };
 struct MergeArguments {
     std::vector<std::string> from;
@@ -37,14 +40,31 @@ std::string listed(std::string_view head, std::vector<std::string> const& lines)
     return out.empty() ? "" : fmt::format("{}\n{}", head, out);
 }
 
+/// The record of verdicts in a file. Throws InputError for what cannot be read or is none.
+Record record_in(std::string const& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::error_code error;
+    if (!file || std::filesystem::is_directory(path, error))
+        throw InputError(fmt::format("--against: {}: cannot be read", printable(path, 200)));
+    std::string const text{std::istreambuf_iterator<char>(file), {}};
+    try {
+        return record_from(text);
+    } catch (InputError const& error) {
+        throw InputError(
+            fmt::format("--against: {}: {}", printable(path, 200), printable(std::string(error.what()), 200)));
+    }
+}
+
 /// Takes the words into what the engine asks for. Throws InputError for an unknown name, or none.
 void resolve(StudyArguments& a) {
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
+    a.options.program = program_name();
     std::vector<std::string_view> known;
     for (Study const* study : studies::studies()) known.push_back(study->name);
     for (std::string const& name : a.names) expect_one_of(known, name, "study", "study");
-    if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
+    if (a.all == !a.names.empty())
+        throw InputError(fmt::format("study: expected the names of studies ({} list), or --all", program_name()));
     for (Study const* study : studies::studies())
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) a.chosen.push_back(study);
     a.options.set.clear();
@@ -55,8 +75,12 @@ void resolve(StudyArguments& a) {
         a.options.set.push_back(values);
     }
     for (Study const* study : a.chosen) factors_of(*study, a.options);  // before anything is written
-    if (a.options.changed() && !a.record.empty())
-        throw InputError("--record: does not go with --set and --seeds: claims are then not judged");
+    for (auto const& [option, file] : {std::pair("--record", &a.record), std::pair("--against", &a.against)})
+        if (!file->empty() && (a.options.changed() || !a.part.whole()))
+            throw InputError(fmt::format("{}: does not go with {}", option,
+                                         a.options.changed() ? "--set and --seeds: claims are then not judged"
+                                                             : "--part: a part has no verdicts"));
+    if (!a.options.changed()) a.known = a.against.empty() ? recorded(a.options.budget) : record_in(a.against);
 }
 
 std::string duration_text(double seconds) {
@@ -100,11 +124,10 @@ std::string run_json(StudyArguments const& a) {
 
 int study_part(StudyArguments const& a) {
     check_part(a);
-    if (!a.record.empty()) throw InputError("--record: does not go with --part: a part has no verdicts");
     create_folder(a.options.out / ".trials");
     FolderLock const lock(a.options.out, a.part);
     note_run(a, run_json(a), "other studies, another budget or seed");
-    tell(part_text(a, run_share(a.chosen, a), " (or rlslab merge)"));
+    tell(part_text(a, run_share(a.chosen, a), fmt::format(" (or {} merge)", program_name()).c_str()));
     return 0;
 }
 
@@ -124,12 +147,11 @@ int study_whole(StudyArguments const& a) {
     replace_file(a.options.out / "verdicts.csv", as_comments(run_of(outcomes, a.options)) + verdicts_csv(outcomes));
     std::string text;
     for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour()) + '\n';
-    Record const& record = a.options.changed() ? Record{} : recorded(a.options.budget);
-    if (!a.record.empty()) replace_file(a.record, record_json(outcomes, record));
-    std::vector<std::string> const changed = changes(outcomes, record), broken = failed_verifications(outcomes);
+    if (!a.record.empty()) replace_file(a.record, record_json(outcomes, a.known));
+    std::vector<std::string> const changed = changes(outcomes, a.known), broken = failed_verifications(outcomes);
     text += listed("Changed against the recorded verdicts (of seed 1):", changed);
     text += listed("Verifications that fail:", broken);
-    text += listed("Not in the record:", record.empty() ? std::vector<std::string>{} : unrecorded(outcomes, record));
+    text += listed("Not in the record:", a.known.empty() ? std::vector<std::string>{} : unrecorded(outcomes, a.known));
     if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
     text += count_lines(outcomes);
     text += fmt::format(
@@ -161,8 +183,8 @@ StudyArguments arguments_of(std::string const& run, std::string const& folder, s
         resolve(out);
     } catch (std::exception const&) {
         throw InputError(
-            fmt::format("{}/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them",
-                        printable(folder, 200)));
+            fmt::format("{}/.trials/run.json: expected studies, budget and seed as {} study --part writes them",
+                        printable(folder, 200), program_name()));
     }
     return out;
 }
@@ -173,8 +195,8 @@ int run_merge(MergeArguments const& m) {
         std::string const text = noted_run(folder);
         if (text.empty())
             throw InputError(
-                fmt::format("{}: expected the --out folder of rlslab study --part, found no .trials/run.json there",
-                            printable(folder, 200)));
+                fmt::format("{}: expected the --out folder of {} study --part, found no .trials/run.json there",
+                            printable(folder, 200), program_name()));
         if (run.empty()) run = text;
         if (text != run)
             throw InputError(fmt::format("{}: expected parts of the same run as {}: the same studies, budget and seed",
@@ -191,21 +213,26 @@ Command study_command(CLI::App& app) {
     auto const st = std::make_shared<StudyArguments>();
     CLI::App* const studying =
         app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
-    studying->footer(
-        "One study:    rlslab study gain_error\n"
-        "What it is:   rlslab study gain_error --describe\n"
-        "Varied:       rlslab study gain_error --set variant=ud,joseph --seeds 20 --out mine\n"
-        "All of them:  rlslab study --all --budget full --out out\n"
+    studying->footer(fmt::format(
+        "One study:    {0} study {1}\n"
+        "What it is:   {0} study {1} --describe\n"
+        "Varied:       {0} study {1} --set FACTOR=A,B --seeds 20 --out mine\n"
+        "All of them:  {0} study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
         "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a "
         "finding (ours). It "
         "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided "
-        "otherwise. The "
-        "verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and in this "
-        "program.\n\n"
+        "otherwise. "
+        "{2}\n\n"
         "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could "
-        "not be run.");
-    studying->add_option("NAME", st->names, "names of studies, as rlslab list shows them")->type_name("");
+        "not be run.",
+        program_name(), studies::studies().front()->name,
+        recorded(Budget::quick).empty()
+            ? "Verdicts are compared with the record that --against names."
+            : "The verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and "
+              "in this program."));
+    studying->add_option("NAME", st->names, fmt::format("names of studies, as {} list shows them", program_name()))
+        ->type_name("");
     studying->add_flag("--all", st->all, "every study");
     studying->add_flag(
         "--describe", st->describe,
@@ -230,10 +257,17 @@ Command study_command(CLI::App& app) {
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("quick|full");
-    define_run(*studying, *st, "of all random data; default 1", ", or into folders for rlslab merge");
+    define_run(*studying, *st, "of all random data; default 1",
+               fmt::format(", or into folders for {} merge", program_name()).c_str());
     studying
         ->add_option("--record", st->record,
                      "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("FILE");
+    studying
+        ->add_option("--against", st->against,
+                     "compare the verdicts with the record in FILE, as --record wrote it; default: this program's own")
+        ->check(named("a file"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("FILE");
     return {studying, [st] { return run_study(*st); }};
@@ -243,14 +277,15 @@ Command merge_command(CLI::App& app) {
     auto const mt = std::make_shared<MergeArguments>();
     CLI::App* const merging =
         app.add_subcommand("merge", "Parts of a run of studies put together: tables, figures, verdicts and a report.");
-    merging->footer(
-        "Four machines:  rlslab study --all --budget full --part 1/4 --out part1    and so on, to part4\n"
-        "Then:           rlslab merge part1 part2 part3 part4 --out out\n"
+    merging->footer(fmt::format(
+        "Four machines:  {0} study --all --budget full --part 1/4 --out part1    and so on, to part4\n"
+        "Then:           {0} merge part1 part2 part3 part4 --out out\n"
         "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without "
         "--part makes the "
         "tables there.\n\n"
-        "Exit code: as of rlslab study; 2 if a trial is missing, or the parts are of different programs, studies, "
-        "budgets or seeds.");
+        "Exit code: as of {0} study; 2 if a trial is missing, or the parts are of different programs, studies, "
+        "budgets or seeds.",
+        program_name()));
     merging->add_option("DIR", mt->from, "the --out folders of the parts")
         ->required()
         ->check(named("folders"))

@@ -1,8 +1,8 @@
 // The options that every run of trials has, and such a run: whole, or a part of it.
 #include "program/study_options.hpp"
 #include "report/svg.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/report.hpp"
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/report.hpp>
 
 #include <rlslab/core/files.hpp>
 #include <rlslab/core/input_error.hpp>
@@ -32,8 +32,8 @@ std::optional<Part> part_of(std::string const& text) {
 }
 
 void keep_when_stopped(StudyRun const& run) {
-    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
-                             printable(run.out, 200)));
+    when_stopped(fmt::format("{}: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
+                             program_name(), printable(run.out, 200)));
 }
 
 }  // namespace
@@ -75,8 +75,8 @@ std::string noted_run(std::string const& folder) {
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return "";
     if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
-        throw InputError(
-            fmt::format("{}: expected the file that rlslab study --part writes", printable(path.string(), 200)));
+        throw InputError(fmt::format("{}: expected the file that {} study --part writes", printable(path.string(), 200),
+                                     program_name()));
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -96,9 +96,9 @@ Share run_share(std::vector<Study const*> const& chosen, StudyRun const& run) {
 
 std::string part_text(StudyRun const& run, Share const& share, char const* or_merge) {
     return fmt::format(
-        "rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
+        "{}: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
         "--part{} makes the tables\n",
-        run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge);
+        program_name(), run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge);
 }
 
 std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun const& run) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "program/commands.hpp"
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/run.hpp>
 
 namespace rlslab::program {
 

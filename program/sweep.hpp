@@ -1,7 +1,7 @@
 // A study made at run time: the variants on a record, over values of forgetting, prior, arithmetic and model order.
 #pragma once
 
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/core/records.hpp>
 

@@ -1,7 +1,6 @@
 // The skeleton of a page and what stands in it.
 #include "report/page.hpp"
 
-#include "report/formulas.hpp"
 #include "report/page_assets.hpp"
 #include "report/plot.hpp"
 #include "report/svg.hpp"
@@ -122,11 +121,15 @@ bool same_formula(std::string_view a, std::string_view b) {
 }
 }  // namespace
 
-bool has_mathml() { return !formulas().empty(); }
+/// LaTeX and MathML of each formula that the program's sources mark as R"tex(...)tex"; the last row is null. Written by
+/// report/formulas.lua, or report/no_formulas.cpp.
+extern char const* const formulas[][2];
+
+bool has_mathml() { return formulas[0][0] != nullptr; }
 
 std::string_view mathml(std::string_view tex) {
-    for (Formula const& formula : formulas())
-        if (same_formula(formula.tex, tex)) return formula.mathml;
+    for (auto const* formula = formulas; (*formula)[0] != nullptr; ++formula)
+        if (same_formula((*formula)[0], tex)) return (*formula)[1];
     return {};
 }
 

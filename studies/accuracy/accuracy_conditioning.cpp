@@ -1,7 +1,7 @@
 // How many digits of theta and P are left as the regressors' condition number grows, and after which power of it they
 // go.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,6 +1,6 @@
 // Nothing is forgotten: how the errors of theta and P grow with the number of rows.
-#include "studies/engine/checkpoints.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/checkpoints.hpp>
+#include <rlslab/studies/judgements.hpp>
 
 #include <cmath>
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 // Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition
 // and prior. Longer than 150 lines: 20 claims.
-#include "studies/engine/backward_errors.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
-#include "studies/engine/spectra.hpp"
+#include <rlslab/studies/backward_errors.hpp>
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
+#include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,8 +1,8 @@
 // The map: how many bits each variant needs, against the conditioning of the data.
 // Longer than 150 lines: the search in lengths, and eight claims.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>

@@ -1,7 +1,7 @@
 // Fixed-point words: how many bits behind the point, before it and in all each variant needs, against memory,
 // conditioning, size and scale. Longer than 150 lines: 18 claims.
 #include "studies/accuracy/fixed_runs.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/judgements.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/certified.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "studies/accuracy/fixed_filters.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 
 #include <map>
 

@@ -1,6 +1,6 @@
 // Two matrices every author uses: Hilbert's, row by row, and Läuchli's, whose normal equations lose delta^2.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,6 +1,6 @@
 // Where to start: from c^2 I, or from a batch estimate of the first rows.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/catalogue/breakdown.hpp>
 

@@ -1,7 +1,7 @@
 // Without forgetting, float's inverse QR drifts: at which step of the array form, and what removes it.
 // Longer than 150 lines: six array forms written out, each with one step in double.
-#include "studies/engine/checkpoints.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/checkpoints.hpp>
+#include <rlslab/studies/judgements.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

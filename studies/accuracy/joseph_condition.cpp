@@ -1,7 +1,7 @@
 // Why Joseph's products lose a condition number more than the form they replace: which rounding, by how much.
 // Longer than 150 lines: a copy of Joseph's update with one rounding at a time, and eight claims.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,6 +1,6 @@
 // One row after a large prior: the variance that comes out, and when it is nothing.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <algorithm>
 #include <cmath>

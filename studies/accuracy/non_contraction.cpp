@@ -1,7 +1,7 @@
 // One exact step can enlarge an error of theta however small P is, and yet no error grows in the metric of P^-1.
 // Longer than 150 lines: exact data and a norm of its own.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/variants/symmetric.hpp>
 

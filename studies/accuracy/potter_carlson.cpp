@@ -1,6 +1,6 @@
 // Full against triangular square roots of the covariance: what a large prior costs Potter's form and not Carlson's.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
 // The law of the best prior variance: how it and its error go with the condition, the spectrum and the noise of the
 // rows. Longer than 150 lines: ten claims, each on a range of its own.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
-#include "studies/engine/spectra.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
+#include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,6 +1,6 @@
 // The size of the prior: bias falls with c^2, rounding may rise with it, and the best c^2 lies where they meet.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/catalogue/breakdown.hpp>
 

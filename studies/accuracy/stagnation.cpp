@@ -1,6 +1,6 @@
 // Short formats: how far the covariance of a running mean falls before rounding stops it.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <cmath>
 #include <fmt/format.h>

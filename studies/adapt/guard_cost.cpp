@@ -1,6 +1,6 @@
 // What a guard costs: operations of a row, counted.
 #include "studies/adapt/watched.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/judgements.hpp>
 
 namespace rlslab::studies {
 namespace {

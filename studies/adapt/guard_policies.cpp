@@ -1,8 +1,8 @@
 // What a guard saves: theta and P after eight disturbances, with each policy.
 // Longer than 150 lines: eight disturbances and 15 claims.
 #include "studies/adapt/watched.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/definiteness.hpp>

@@ -1,8 +1,8 @@
 // How often a guard is wrong, what it misses, and how late it is.
 // Longer than 150 lines: the predicted rates of the signals stand here, and nine claims.
 #include "studies/adapt/watched.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/distributions.hpp>

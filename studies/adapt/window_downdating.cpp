@@ -1,8 +1,8 @@
 // Downdating with an alarm: how much worse than a fresh filter a window becomes, how often it is factored anew, and
 // what else helps. Longer than 150 lines: two experiments, a search and a slide, and 15 claims.
 #include "studies/adapt/windows.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

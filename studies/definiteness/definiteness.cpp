@@ -1,7 +1,7 @@
 // Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
 // Longer than 150 lines: ratios of medians have intervals of their own, and nine claims use them.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>

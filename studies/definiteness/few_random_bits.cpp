@@ -1,7 +1,7 @@
 // Stochastic rounding with all bits and with few: how far the covariance of a running mean falls, and where it stops.
 #include "studies/definiteness/random_filters.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

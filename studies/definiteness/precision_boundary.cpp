@@ -1,8 +1,8 @@
 // The smallest significand with which each variant survives, against forgetting and conditioning.
 // Longer than 150 lines: an upward search in lengths, and eight claims.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>

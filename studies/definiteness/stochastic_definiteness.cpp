@@ -1,9 +1,9 @@
 // The hazard per step of losing definiteness: to nearest, stochastically, and with few random bits.
 // Longer than 150 lines: the hazard's interval stands here, and seven claims use it.
 #include "studies/definiteness/random_filters.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/interval.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/interval.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/definiteness.hpp>

@@ -1,7 +1,7 @@
 // Rows that are rounded stochastically: what that does to the smallest singular value of collinear columns.
 #include "studies/definiteness/random_rounding.hpp"
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <cmath>
 

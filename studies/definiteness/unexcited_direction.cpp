@@ -1,6 +1,6 @@
 // A direction that no row excites: what P does there, in exact rationals.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/rationals.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/rationals.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/variants/variants.hpp>

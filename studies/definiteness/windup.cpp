@@ -1,7 +1,7 @@
 // No excitation with forgetting: P grows without bound in directions without data. How each form behaves.
 // Longer than 150 lines: nine claims on one run.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>

@@ -1,5 +1,5 @@
 // Backward errors of theta and P, by the inner products of the data and in 257 bits.
-#include "studies/engine/backward_errors.hpp"
+#include <rlslab/studies/backward_errors.hpp>
 
 #include <rlslab/core/rounding.hpp>
 

@@ -1,7 +1,7 @@
 // Runs a filter over rows and compares it with the exact solution at some of them.
 #pragma once
 
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 
 #include <concepts>
 

@@ -1,5 +1,5 @@
 // How long a run takes: some trials, run in a child process that can be stopped at any time.
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -1,8 +1,8 @@
 // Other values for factors; the study in words.
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
-#include "studies/engine/scenarios.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/scenarios.hpp>
+#include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/input/suggestion.hpp>

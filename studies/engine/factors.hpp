@@ -1,7 +1,7 @@
 // The factors of a study as a run has them: its own, or with other values; and what a study is, in words.
 #pragma once
 
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/run.hpp>
 
 namespace rlslab::studies {
 

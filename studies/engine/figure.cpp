@@ -1,7 +1,7 @@
 // Makes curves from rows: one for each series and panel, through the median of the rows at one place.
-#include "studies/engine/figure.hpp"
+#include <rlslab/studies/figure.hpp>
 
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/judgements.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/catalogue.hpp>

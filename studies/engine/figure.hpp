@@ -2,7 +2,7 @@
 #pragma once
 
 #include "report/figure.hpp"
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/study.hpp>
 
 namespace rlslab::studies {
 

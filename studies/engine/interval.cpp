@@ -1,5 +1,5 @@
 // Intervals: order statistics, Student's t, chi-squared, and of proportions.
-#include "studies/engine/interval.hpp"
+#include <rlslab/studies/interval.hpp>
 
 #include <rlslab/reference/distributions.hpp>
 

@@ -1,5 +1,5 @@
 // A line for each finished trial, with a checksum; an incomplete last line is removed.
-#include "studies/engine/journal.hpp"
+#include <rlslab/studies/journal.hpp>
 
 #include <rlslab/core/input_error.hpp>
 

@@ -1,5 +1,5 @@
 // What claims measure, and the verdicts on it.
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/judgements.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,8 +1,8 @@
 // The functions of claims: a statistic of a table, its interval over the seeds, and the verdict of a band on it.
 #pragma once
 
-#include "studies/engine/interval.hpp"
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/interval.hpp>
+#include <rlslab/studies/study.hpp>
 
 #include <concepts>
 

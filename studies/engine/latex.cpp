@@ -1,8 +1,8 @@
 // LaTeX of tables and numbers: verdicts as a paper quotes them.
-#include "studies/engine/latex.hpp"
+#include <rlslab/studies/latex.hpp>
 
 #include "report/revision.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/verdicts.hpp>
 
 #include <array>
 #include <fmt/format.h>

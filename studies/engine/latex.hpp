@@ -1,7 +1,7 @@
 // LaTeX for papers: a table of claims for each study, and a macro for each measurement.
 #pragma once
 
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/run.hpp>
 
 namespace rlslab::studies {
 

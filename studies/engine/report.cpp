@@ -1,10 +1,10 @@
 // The text of the report. report/ makes its page, figures and formulas.
-#include "studies/engine/report.hpp"
+#include <rlslab/studies/report.hpp>
 
 #include "report/page.hpp"
-#include "studies/engine/interval.hpp"
+#include <rlslab/studies/interval.hpp>
 #include "report/revision.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/verdicts.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -138,13 +138,17 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
     std::string const held_of = options.run ? ""
                                             : fmt::format("{} of {} claims hold, in {} {}. ", held, claims,
                                                           outcomes.size(), outcomes.size() == 1 ? "study" : "studies");
+    bool const own = options.program != "rlslab";  // of studies that may measure anything
     return page(
-        options.run ? "rlslab: a sweep" : "rlslab: studies",
+        options.program + (options.run ? ": a sweep" : ": studies"),
         fmt::format(
-            "<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{}Every error is measured "
-            "against the exact minimiser for the bits the variant was given, with a proven bound. <span "
+            "<header><h1>{}</h1>\n<p>{}{}<span "
             "class=\"soft\">rlslab {} {}, {}seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
-            held_of, RLSLAB_VERSION, revision, options.run ? "" : fmt::format("{} budget, ", name_of(options.budget)),
+            own ? escaped(options.program) : "Which variant of recursive least squares can be trusted?", held_of,
+            own ? ""
+                : "Every error is measured against the exact minimiser for the bits the variant was given, with a "
+                  "proven bound. ",
+            RLSLAB_VERSION, revision, options.run ? "" : fmt::format("{} budget, ", name_of(options.budget)),
             options.seed, contents,
             (options.run ? "" : summary(outcomes)) + sections + as_html(run_of(outcomes, options))));
 }

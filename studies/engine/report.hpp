@@ -1,8 +1,8 @@
 // The report: one HTML file that opens offline and has all that a reader needs to check or repeat the run.
 #pragma once
 
-#include "studies/engine/figure.hpp"
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/figure.hpp>
+#include <rlslab/studies/run.hpp>
 
 namespace rlslab::studies {
 

@@ -1,7 +1,7 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/run.hpp>
 
-#include "studies/engine/factors.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/core/input_error.hpp>
 
@@ -46,8 +46,8 @@ namespace {
 std::string command_of(std::string const& names, RunOptions const& options) {
     if (options.run) return options.run->command;
     std::string const changes = words_of_changes(options);
-    return fmt::format("rlslab study {} --budget {} --seed {}{}{}", names, name_of(options.budget), options.seed,
-                       changes.empty() ? "" : " ", changes);
+    return fmt::format("{} study {} --budget {} --seed {}{}{}", shell_text({options.program}), names,
+                       name_of(options.budget), options.seed, changes.empty() ? "" : " ", changes);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include "report/progress.hpp"
 #include "report/provenance.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/study.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -23,8 +23,9 @@ struct FactorValues {
 struct RunOptions {
     Budget budget = Budget::quick;
     std::uint64_t seed = 1;
-    int threads = 0;            ///< 0: all cores
-    std::filesystem::path out;  ///< the folder of tables, verdicts, figures and the report; created if missing
+    int threads = 0;                 ///< 0: all cores
+    std::string program = "rlslab";  ///< that runs: commands begin with it; another is the heading of its report
+    std::filesystem::path out;       ///< the folder of tables, verdicts, figures and the report; created if missing
     std::vector<CatalogueEntry> const* entries = &catalogue();
     std::vector<FactorValues> set = {};          ///< other values for some factors; claims are then not judged
     int seeds = 0;                               ///< other than 0: so many replicates, likewise

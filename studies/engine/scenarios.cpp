@@ -1,7 +1,7 @@
 // Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 
-#include "studies/engine/spectra.hpp"
+#include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/catalogue.hpp>

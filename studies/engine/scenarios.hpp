@@ -1,7 +1,7 @@
 // The data of studies, the families of variants, and the errors of a filter.
 #pragma once
 
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/study.hpp>
 
 #include <rlslab/reference/certified.hpp>
 

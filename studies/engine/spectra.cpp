@@ -1,5 +1,5 @@
 // Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
-#include "studies/engine/spectra.hpp"
+#include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,7 +1,7 @@
 // A study: a question, its factors, the measurement for each combination of them, its plots and its claims.
 #pragma once
 
-#include "studies/engine/table.hpp"
+#include <rlslab/studies/table.hpp>
 
 #include <rlslab/catalogue/any_filter.hpp>
 

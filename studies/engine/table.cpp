@@ -1,5 +1,5 @@
 // Tables are small: selections copy.
-#include "studies/engine/table.hpp"
+#include <rlslab/studies/table.hpp>
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,5 @@
 // Verdicts: said, counted, recorded.
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/core/input_error.hpp>
 

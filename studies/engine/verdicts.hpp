@@ -1,7 +1,7 @@
 // The verdicts on claims: as lines, as JSON, counted, and compared with the record in the tree.
 #pragma once
 
-#include "studies/engine/run.hpp"
+#include <rlslab/studies/run.hpp>
 
 #include <array>
 #include <map>

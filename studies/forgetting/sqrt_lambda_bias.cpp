@@ -1,6 +1,6 @@
 // Forms that multiply by the square root of lambda forget with another lambda than they were given.
-#include "studies/engine/checkpoints.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/checkpoints.hpp>
+#include <rlslab/studies/judgements.hpp>
 
 #include <algorithm>
 #include <cmath>

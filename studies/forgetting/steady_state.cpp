@@ -1,6 +1,6 @@
 // With forgetting the errors of theta and P stop growing: where they stand, in units of u.
-#include "studies/engine/checkpoints.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/checkpoints.hpp>
+#include <rlslab/studies/judgements.hpp>
 
 #include <cmath>
 

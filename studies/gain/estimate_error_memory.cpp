@@ -1,6 +1,6 @@
 // One wrong output: how long the estimate remembers it, and whether any variant remembers it differently.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 namespace rlslab::studies {
 namespace {

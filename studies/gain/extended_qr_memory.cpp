@@ -1,6 +1,6 @@
 // Extended QR carries R and W = R^-T side by side: what each remembers of an error in its own numbers.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/variants/extended_qr.hpp>
 

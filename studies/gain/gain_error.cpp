@@ -1,7 +1,7 @@
 // Errors in every gain: of which order what reaches the covariance is, over twelve decades, and on which floor of
 // rounding it ends.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 namespace rlslab::studies {
 namespace {

@@ -1,6 +1,6 @@
 // Large errors in the gain: which forms keep P positive definite, decided exactly for what is stored.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/reference/definiteness.hpp>
 

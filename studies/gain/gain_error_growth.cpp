@@ -1,6 +1,6 @@
 // Errors in every gain: whether what reaches the covariance averages out, stays or grows with the number of rows.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <cmath>
 #include <functional>

@@ -1,8 +1,8 @@
 // What an error in the gain does to P, as identities in exact rational arithmetic.
 // Longer than 150 lines: 14 identities, each written out in rationals.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/rationals.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/rationals.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/type_list.hpp>

@@ -1,7 +1,7 @@
 // Two lengths: which may be short, the gain or what it is computed from? Where Joseph's form is worth it, predicted and
 // measured. Longer than 150 lines: two predicted floors, nine arrangements of two lengths, and 20 claims.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>

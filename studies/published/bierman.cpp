@@ -1,7 +1,7 @@
 // Bierman's two parameters: an accurate first measurement, a nearly parallel second one, and a variance below zero.
 // Longer than 150 lines: nine claims on one published example.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/catalogue/breakdown.hpp>
 

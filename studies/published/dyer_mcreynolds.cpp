@@ -1,7 +1,7 @@
 // Dyer & McReynolds' measurement problem as Grewal & Andrews sweep it: which form keeps how many digits as the rows
 // become parallel.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>

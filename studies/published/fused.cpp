@@ -1,7 +1,7 @@
 // NIST's regressions in many orders of their rows, with fused products and other dot products: how much a number of
 // digits may scatter. Longer than 150 lines: 13 claims on the regressions of NIST.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/published/evaluated_filters.hpp"
 #include "studies/published/nist_table.hpp"
 

@@ -1,6 +1,6 @@
 // What fused products do to the symmetry of P: under unchanged texts.
-#include "studies/engine/checkpoints.hpp"
-#include "studies/engine/judgements.hpp"
+#include <rlslab/studies/checkpoints.hpp>
+#include <rlslab/studies/judgements.hpp>
 #include "studies/published/evaluated_filters.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

@@ -2,8 +2,8 @@
 // claims.
 #pragma once
 
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/published/nist_data.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

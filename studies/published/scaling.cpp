@@ -1,7 +1,7 @@
 // Units: which scalings of a problem change no digit, what the condition number is without them, and rows of very
 // different size. Longer than 150 lines: three experiments that share a setting.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/published/nist_table.hpp"
 
 #include <cmath>

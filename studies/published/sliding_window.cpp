@@ -1,7 +1,7 @@
 // A window that slides over an outlier: what downdating keeps of a row long after it has left.
 // Longer than 150 lines: eight claims on five methods.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/published/window_filter.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

@@ -1,6 +1,6 @@
 // The recursion of the cost in floating point, against the difference of sums of squares.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <cmath>
 

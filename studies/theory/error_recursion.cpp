@@ -1,7 +1,7 @@
 // The recursion of theta's error with its noise term, in exact rationals: in which norm it contracts, and in which it
 // does not. Longer than 150 lines: the recursion and its counterexample in rationals.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/rationals.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/rationals.hpp>
 
 #include <rlslab/variants/variants.hpp>
 

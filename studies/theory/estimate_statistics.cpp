@@ -1,7 +1,7 @@
 // Bias, covariance, efficiency and normality of the least squares estimate, by Monte Carlo in lockstep.
 // Longer than 150 lines: eleven claims on one Monte Carlo run.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/theory/second_order.hpp"
 
 #include <rlslab/variants/ud.hpp>

@@ -1,6 +1,6 @@
 // The estimation error on its way: what never grows, and what may.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 namespace rlslab::studies {
 namespace {

@@ -1,7 +1,7 @@
 // The structural identities of recursive least squares, in exact rational arithmetic, for every variant that exists in
 // it.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/rationals.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/rationals.hpp>
 
 #include <rlslab/variants/variants.hpp>
 

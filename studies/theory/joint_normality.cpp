@@ -1,7 +1,7 @@
 // Asymptotic normality of all parameters at once, where past outputs are regressors and the noise is not normal.
 // Longer than 150 lines: classes of equal probability and their draws.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/theory/second_order.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

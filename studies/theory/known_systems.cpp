@@ -1,7 +1,7 @@
 // Random stable systems, identified from simulated records: are the parameters found, and do the intervals have their
 // coverage?
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/model/difference.hpp>
 #include <rlslab/model/fit.hpp>

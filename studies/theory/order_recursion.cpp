@@ -1,6 +1,6 @@
 // Recursion in model order: bordering against appending columns to a QR factorisation, in digits and in operations.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/arithmetic/elementary.hpp>

@@ -1,7 +1,7 @@
 // Which inputs excite: correlation matrices of a lecture's inputs, their dominance, their least eigenvalue, and how a
 // record finds them. Longer than 150 lines: exact matrices of six inputs, and seven claims.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/random.hpp>

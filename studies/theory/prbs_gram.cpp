@@ -1,6 +1,6 @@
 // Pseudo-random binary sequences as an input: the conditioning they give, in integers.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/rationals.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/rationals.hpp>
 
 #include <rlslab/variants/variants.hpp>
 

@@ -1,8 +1,8 @@
 // Least squares against other linear unbiased estimators: the exact order of their covariances, and what is measured of
 // them. Longer than 150 lines: the rival estimators and their exact order.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/rationals.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/rationals.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -132,6 +132,7 @@ std::vector<Folder> const house{
     {"examples/drift_and_silence", {"src/rlslab/many", "variants"}},
     {"examples/many_sensors", {"src/rlslab/many", "variants"}},
     {"examples/chosen_at_run_time", {"catalogue/native"}},
+    {"examples/own_study", {"studies/engine"}},
     {"examples/microcontroller", {"src/rlslab/many", "variants"}},
     {"examples/microcontroller/board", {}},
     {"tests/python", {"variants"}},
@@ -175,8 +176,8 @@ std::map<std::string, std::set<std::string>> foundations() {
 
 std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
 
-/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue
-/// are links; what is in quotes starts at the project's folder.
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants, rlslab/catalogue and
+/// rlslab/studies are links; what is in quotes starts at the project's folder.
 std::vector<std::string> included(std::string const& code) {
     std::vector<std::string> out;
     std::istringstream lines(code);
@@ -191,6 +192,7 @@ std::vector<std::string> included(std::string const& code) {
         if (quoted) out.push_back(name);
         else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/catalogue/"))
             out.push_back(name.substr(7));
+        else if (name.starts_with("rlslab/studies/")) out.push_back("studies/engine/" + name.substr(15));
         else if (name.starts_with("rlslab/")) out.push_back("src/" + name);
     }
     return out;

@@ -58,7 +58,8 @@ expect_not("${rlslab}" "[^;]*(\\.hpp|\\.a|\\.cmake|\\.pc)(;|$)" "rlslab: what is
 expect("${rlslab_control}" "Depends: [^\n]*libc6" "rlslab: the libraries that it needs")
 foreach(file include/rlslab/variants/ud.hpp include/rlslab/core/problem.hpp lib/librlslab_core.a
     lib/cmake/rlslab/rlslabConfig.cmake
-    lib/librlslab_native.a lib/librlslab_catalogue.a
+    lib/librlslab_native.a lib/librlslab_catalogue.a lib/librlslab_studies.a
+    include/rlslab/studies/study_main.hpp lib/cmake/rlslab/formulas.lua
     lib/pkgconfig/rlslab.pc lib/pkgconfig/rlslab-core.pc lib/pkgconfig/rlslab-native.pc)
   expect(";${librlslab-dev};" ";usr/${file};" "librlslab-dev")
 endforeach()

@@ -1,6 +1,6 @@
 // The rlslab program as a person or a script uses it: what it prints, where, and with which exit code.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/journal.hpp"
+#include <rlslab/studies/journal.hpp>
 #include "tests/common/program.hpp"
 
 #include <gmock/gmock.h>

@@ -77,8 +77,25 @@ TEST_F(Program, RefusesWhatIsNoFactorOrCannotBeOne) {
     refused(study + "--set replicate=7 --seeds 2", "--seeds: expected no --set replicate beside it");
     refused(study + "--set replicate=1e19", "expected whole numbers from 1 to 1e9, found \"1e19\"");
     refused(study + "--seeds 20 --record r.json", "--record: does not go with --set and --seeds");
+    refused(study + "--set lambda=1 --against r.json", "--against: does not go with --set and --seeds");
+    refused(study + "--part 1/2 --against r.json", "--against: does not go with --part");
     refused("study gain_identities --seeds 20", "--seeds: study gain_identities has no factor \"replicate\"");
     EXPECT_FALSE(fs::exists(folder / "out"));
+}
+TEST_F(Program, ComparesVerdictsWithARecordInAFile) {
+    std::string const study = "rlslab study gain_identities --quiet ";
+    ASSERT_EQ(shell(study + "--record own.json").code, 0);
+    EXPECT_EQ(shell(study + "--against own.json").code, 0);
+    std::string text = read(folder / "own.json");
+    size_t const at = text.find("\"holds\"", text.find("gain_identities"));
+    ASSERT_NE(at, text.npos);
+    write("other.json", text.replace(at, 7, "\"fails\""));
+    Outcome const changed = shell(study + "--against other.json");
+    EXPECT_EQ(changed.code, 1);
+    EXPECT_THAT(changed.out, HasSubstr(": holds, fails in the record\n"));
+    write("none.json", "{\"gain_identities\": {\"a claim\": \"perhaps\"}}");
+    refused("study gain_identities --against none.json --out none", "--against: none.json: found \"perhaps\"");
+    EXPECT_FALSE(fs::exists(folder / "none"));
 }
 TEST_F(Program, DescribesAStudy) {
     Outcome const said = shell("rlslab study hilbert --describe");

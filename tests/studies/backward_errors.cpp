@@ -1,8 +1,8 @@
 // Backward errors of theta and P: against the eigenvalue and the trace formula, against changes of the data, and broken
 // on purpose.
-#include "studies/engine/backward_errors.hpp"
+#include <rlslab/studies/backward_errors.hpp>
 
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

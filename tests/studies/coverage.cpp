@@ -1,8 +1,8 @@
 // How often the intervals of claims miss their number, by simulation: of each statistic on the shapes that interval.hpp
 // admits it for. RLSLAB_DRAWS=100000 in the environment draws as often as was done before the shapes were admitted; by
 // default it is a part of that.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/journal.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/journal.hpp>
 
 #include <rlslab/core/random.hpp>
 #include <rlslab/reference/distributions.hpp>

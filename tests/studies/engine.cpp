@@ -1,10 +1,10 @@
 // The study engine: the same bytes on any number of threads, no trial lost when it is killed, a false claim detected.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/journal.hpp"
-#include "studies/engine/run.hpp"
-#include "studies/engine/scenarios.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/run.hpp>
+#include <rlslab/studies/scenarios.hpp>
+#include <rlslab/studies/verdicts.hpp>
 #include "tests/common/files.hpp"
 
 #include <gtest/gtest.h>

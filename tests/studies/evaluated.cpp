@@ -1,6 +1,6 @@
 // Other evaluations of the same texts: with the library's own they are the library's bits, and fused means fused.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 #include "studies/published/evaluated_double.hpp"
 #include "studies/published/evaluated_filters.hpp"
 

@@ -1,6 +1,6 @@
 // The families of variants that studies compare are what their names say: by what the filters store.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

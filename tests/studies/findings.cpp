@@ -1,7 +1,7 @@
 // The functions of claims, checked by hand: each number, both ends of an interval, each group; and the cells that a
 // table accepts.
-#include "studies/engine/judgements.hpp"
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/reference/certified.hpp>
 

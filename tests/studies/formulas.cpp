@@ -1,6 +1,6 @@
 // Formulas of pages: MathML where pandoc was there when the program was built, and text that can be read elsewhere.
 #include "report/page.hpp"
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/study.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

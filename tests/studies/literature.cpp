@@ -1,7 +1,7 @@
 // Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds,
 // the NIST regressions.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/scenarios.hpp"
+#include <rlslab/studies/scenarios.hpp>
 #include "tests/common/laws.hpp"
 
 #include <rlslab/model/regression.hpp>

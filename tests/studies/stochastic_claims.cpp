@@ -1,5 +1,5 @@
 // The words of the claims about hazards: on made-up losses each holds, fails and is undecided where it should.
-#include "studies/engine/study.hpp"
+#include <rlslab/studies/study.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Claims and their record: every claim says what it is; a verdict that changes is seen, and so is a verification that
 // fails.
-#include "studies/engine/report.hpp"
-#include "studies/engine/verdicts.hpp"
+#include <rlslab/studies/report.hpp>
+#include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/core/input_error.hpp>
 

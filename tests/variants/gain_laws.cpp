@@ -16,7 +16,7 @@
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
 
-#include "studies/engine/rationals.hpp"
+#include <rlslab/studies/rationals.hpp>
 #include "tests/common/laws.hpp"
 #include "tests/common/message.hpp"
 #include "tests/variants/gain_laws.hpp"
