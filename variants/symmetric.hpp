@@ -7,20 +7,21 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; each number below the diagonal is the one above it (its conjugate), bit for bit.
+/// Propagates P; each number below the diagonal is the one above it (its conjugate), bit for bit. In float and double
+/// the blocks of 8 x 8 on and above the diagonal are stored (SymmetricMatrix), else P in full.
 ///
 ///   (1) f = P psi                           (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P_ij = P_ji' = (P_ij - K_i f_j') / lambda for i <= j                 (5) theta += K e
 ///
-/// Storage d^2; per update 2 d^2 + O(d) multiplications (in float and double the mirror image is computed, which is
-/// cheaper than copying it). Source: Haykin, Adaptive Filter Theory (the Tri rule).
+/// Storage d^2/2 + O(d) in float and double, else d^2; per update 2 d^2 + O(d) multiplications. Source: Haykin,
+/// Adaptive Filter Theory (the Tri rule).
 template <Scalar T, int N = Dynamic>
 class Symmetric {
     RealOf<T> lambda_;
     DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, K_;
-    StateMatrix<T, N> P_;
-    [[no_unique_address]] NextRow<kernels::SubtractMirrored<T>, N> next_;
+    SymmetricStorage<T, N> P_;
+    [[no_unique_address]] NextRow<MirroredPass<T>, N> next_;
 
 public:
     using scalar = T;
@@ -30,7 +31,7 @@ public:
 
     explicit Symmetric(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), next_(problem.size) {}
+          f_(problem.size), K_(problem.size), P_(start_symmetric<T, N>(problem)), next_(problem.size) {}
 
     /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
@@ -54,7 +55,9 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
-    auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    auto form() requires Field<T> {
+        return PlainCovariance<T, N, SymmetricStorage<T, N>>{lambda_, by_lambda_, theta_, K_, f_, P_};
+    }
     friend Step<T> rows_at_once(Symmetric& f, RowsOf<T> psi, OutputsOf<T> y) { return update_rows(f, f.next_, psi, y); }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };

@@ -193,9 +193,6 @@ void each_sweep(Check check_sweep) {
     auto const rank_one = [](O& o) {
         return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar};
     };
-    auto const symmetric = [](O& o) {
-        return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar};
-    };
     auto const over = [](O& o) { return OverTriangle<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; };
     auto const ud = [=](O& o) { return SweepUd<T>{over(o), o.v[1].data(), o.v[2].data()}; };
     auto const carlson = [=](O& o) {
@@ -213,8 +210,6 @@ void each_sweep(Check check_sweep) {
     });
     check_sweep("SubtractRankOne", Part::full, rank_one);
     check_sweep("SubtractRankOne and the product", Part::full, multiplied(rank_one));
-    check_sweep("SubtractMirrored", Part::symmetric, symmetric);
-    check_sweep("SubtractMirrored and the product", Part::symmetric, multiplied(symmetric));
     check_sweep("AddSquare", Part::full, [](O& o) { return AddSquare<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
     check_sweep("SubtractRankTwo", Part::symmetric,
                 [](O& o) { return SubtractRankTwo<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });

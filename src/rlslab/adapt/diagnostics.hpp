@@ -10,8 +10,8 @@ namespace rlslab {
 /// P_jj, without multiplying P out: the variance of theta_j in units of the noise's. One number where P is stored; d
 /// multiplications from a factor of P; d^2/6 on average from a factor of P^-1, which uses the form's workspace. Not
 /// finite, or <= 0, means breakdown.
-template <class T, int N>
-T variance(PlainCovariance<T, N> f, Index j) {
+template <class T, int N, class Storage>
+T variance(PlainCovariance<T, N, Storage> f, Index j) {
     return f.P(j, j);
 }
 template <class T, int N, bool upper>
@@ -52,12 +52,21 @@ T sum_over(StateVector<T, N> const& x, StateVector<T, N> const& D, Index j) {
     }
     return sum;
 }
-/// x'A x, A symmetric: the sum of x_j times column j's product with x.
+/// A_j'x, in the order of dot.
 template <class T, int N>
-T quadratic_form(StateMatrix<T, N> const& A, StateVector<T, N> const& x) {
+T column_product(StateMatrix<T, N> const& A, Index j, StateVector<T, N> const& x) {
+    return dot(A.column(j), x.data(), x.size());
+}
+template <class T, int N>
+T column_product(SymmetricMatrix<T, N> const& A, Index j, StateVector<T, N> const& x) {
+    return lanes_summed<0, 1>(A.column(j), x.data(), x.size());
+}
+/// x'A x, A symmetric: the sum of x_j times column j's product with x.
+template <class T, int N, class Storage>
+T quadratic_form(Storage const& A, StateVector<T, N> const& x) {
     T sum = T(0);
     for (Index j = 0; j < x.size(); ++j) {
-        T const along = dot(A.column(j), x.data(), x.size()), term = x[j] * along;
+        T const along = column_product(A, j, x), term = x[j] * along;
         sum += term;
     }
     return sum;
@@ -133,8 +142,8 @@ typename F::scalar watched_variance(F& f, Index j) {
 
 /// psi'P psi: what the variance of psi'theta is in units of the noise's. From P or a factor of P^-1 or of P. At most
 /// d^2 multiplications; uses the form's workspace.
-template <class T, int N>
-T variance_along(PlainCovariance<T, N> f, Regressor<T> psi) {
+template <class T, int N, class Storage>
+T variance_along(PlainCovariance<T, N, Storage> f, Regressor<T> psi) {
     keep_regressor(psi, f.f);
     return detail::quadratic_form(f.P, f.f);
 }

@@ -17,8 +17,8 @@ namespace rlslab {
 /// X does not factor. With C, X scaled to a unit diagonal, it is at least C's least eigenvalue, and that is at least
 /// the product of all shares over 2.72 (docs/theory.md 62). The parameters' units do not matter. L and D are workspace.
 /// d^3/6 multiplications where P is stored plainly, else d^2.
-template <class T, int N>
-T least_share(PlainCovariance<T, N> f, StateMatrix<T, N>& L, StateVector<T, N>& D) {
+template <class T, int N, class Storage>
+T least_share(PlainCovariance<T, N, Storage> f, StateMatrix<T, N>& L, StateVector<T, N>& D) {
     if (!factor_ldl(f.P, L, D)) return T(0);
     T least = T(1);
     for (Index j = 0; j < D.size(); ++j) least = std::min(least, T(D[j] / f.P(j, j)));
@@ -63,8 +63,8 @@ T least_share_of_rows(StateMatrix<T, N> const& L, StateVector<T, N> const* D) {
 /// Whether X is stored, whose rounding is worth u / share, and not a factor of it, worth u / sqrt(share).
 template <class Form>
 inline constexpr bool stores_the_square = false;
-template <class T, int N>
-inline constexpr bool stores_the_square<PlainCovariance<T, N>> = true;
+template <class T, int N, class Storage>
+inline constexpr bool stores_the_square<PlainCovariance<T, N, Storage>> = true;
 template <class T, int N>
 inline constexpr bool stores_the_square<NormalEquations<T, N>> = true;
 }  // namespace detail

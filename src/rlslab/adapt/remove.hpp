@@ -44,8 +44,8 @@ struct Remainder {
 /// Takes back a row of weight w > 0 that the filter holds: w = lambda^n for a row n steps old. The gain is not touched.
 /// Refused where nothing would remain (see Removal). Cost 1.5 d^2 to 3 d^2 multiplications; the normal equations solve
 /// anew, d^3/6.
-template <class T, int N>
-Removal<T> remove(PlainCovariance<T, N> f, Regressor<T> psi, T const& y, T const& w) {
+template <class T, int N, class Storage>
+Removal<T> remove(PlainCovariance<T, N, Storage> f, Regressor<T> psi, T const& y, T const& w) {
     T const e = innovation(y, psi, f.theta);
     multiply(f.P, psi.data(), f.f);
     T const remaining = T(1) - w * dot(psi, f.f), by = w / remaining;

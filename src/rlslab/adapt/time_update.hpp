@@ -19,8 +19,8 @@ namespace rlslab {
 
 /// lambda of the updates to come, as if the filter had been made with it: the same lambda leaves the same bits. 0 <
 /// lambda <= 1, not checked. Cost O(1), one square root where the form has one.
-template <class T, int N>
-void set_forgetting(PlainCovariance<T, N> f, T const& lambda) {
+template <class T, int N, class Storage>
+void set_forgetting(PlainCovariance<T, N, Storage> f, T const& lambda) {
     f.lambda = lambda;
     f.by_lambda = DivisorNearOne<T>(lambda);
 }
@@ -57,14 +57,18 @@ void each_entry(StateMatrix<T, N>& A, bool upper, Change change) {
     for (Index j = 0; j < A.size(); ++j)
         for (Index i = 0; i < (upper ? j + 1 : A.size()); ++i) A(i, j) = change(A(i, j));
 }
+template <class T, int N, class Change>
+void each_entry(SymmetricMatrix<T, N>& A, bool, Change change) {
+    for (T& x : A.stored()) x = change(x);
+}
 }  // namespace detail
 
 /// P / lambda without a row; a theta that is stored keeps its bits, one that is solved for moves by rounding alone (not
 /// at all where sqrt(lambda) is a power of two). Any lambda in (0, 1]: n ticks without data are discount(lambda^n). Not
 /// checked. Cost d^2 multiplications at most; d where the form has a diagonal of its own (ud; gentleman: and d^2/2 for
 /// its bounds).
-template <class T, int N>
-void discount(PlainCovariance<T, N> f, T const& lambda) {
+template <class T, int N, class Storage>
+void discount(PlainCovariance<T, N, Storage> f, T const& lambda) {
     DivisorNearOne<T> const by(lambda);
     detail::each_entry(f.P, false, [&](T const& x) { return by(x); });
 }
@@ -102,8 +106,8 @@ void discount(NormalEquations<T, N> f, T const& lambda) {
 /// P += c a a', c >= 0, theta as it is; c = 0 changes no bit. `a` may be the filter's gain. c < 0 or not finite is not
 /// checked: it may leave an indefinite P. Cost d^2/2 to 2.5 d^2 multiplications. ud: Agee & Turner 1972; the
 /// information forms: the dual, derived.
-template <class T, int N>
-void inflate(PlainCovariance<T, N> f, T const& c, Regressor<T> a) {
+template <class T, int N, class Storage>
+void inflate(PlainCovariance<T, N, Storage> f, T const& c, Regressor<T> a) {
     keep_regressor(a, f.f);
     if constexpr (Real<T>) {  // one product for both triangles: symmetric stays symmetric
         scale(f.f, square_root(c), f.f);
@@ -213,8 +217,8 @@ void inflate(NormalEquations<T, N> f, T const& c, Regressor<T> a) {
 // --- reset -----------------------------------------------------------------------------------------------------------
 
 namespace detail {
-template <class T, int N>
-void set_identity(StateMatrix<T, N>& A, T const& scale) {
+template <class T, class Storage>
+void set_identity(Storage& A, T const& scale) {
     for (Index j = 0; j < A.size(); ++j)
         for (Index i = 0; i < A.size(); ++i) A(i, j) = i == j ? scale : T(0);
 }
@@ -226,8 +230,8 @@ void fill(StateVector<T, N>& x, T const& value) {
 
 /// P = variance I and theta as given, which may be the filter's own: kept bit for bit where it is stored. Cost d^2
 /// assignments. Source: Goodwin, Elliott & Teoh 1983.
-template <class T, int N>
-void reset(PlainCovariance<T, N> f, T const& variance, Regressor<T> theta) {
+template <class T, int N, class Storage>
+void reset(PlainCovariance<T, N, Storage> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.theta);
     detail::set_identity(f.P, variance);
 }

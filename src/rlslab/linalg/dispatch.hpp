@@ -37,13 +37,17 @@ inline constexpr Wide wide<Multiply<double>>{.from = 192, .registers = 8};
 template <>
 inline constexpr Wide wide<SubtractRankOne<double>>{.from = 64, .registers = 16};
 template <>
-inline constexpr Wide wide<SubtractMirrored<double>>{.from = 64, .registers = 4};
-template <>
 inline constexpr Wide wide<SubtractRankTwo<double>>{.from = 64, .registers = 8};
 template <>
 inline constexpr Wide wide<ThenMultiply<SubtractRankOne<double>>>{.from = 16, .registers = 8};
 template <>
-inline constexpr Wide wide<ThenMultiply<SubtractMirrored<double>>>{.from = 24, .registers = 4};
+inline constexpr Wide wide<OnBlocks<Multiply<double>>>{.from = 5};
+template <>
+inline constexpr Wide wide<OnBlocks<SubtractRankOne<double>>>{.from = 5};
+template <>
+inline constexpr Wide wide<OnBlocks<AddSquare<double>>>{.from = 5};
+template <>
+inline constexpr Wide wide<ThenMultiply<OnBlocks<SubtractRankOne<double>>>>{.from = 512};
 template <>
 inline constexpr Wide wide<SweepUd<double>>{.from = 64, .registers = 8};
 template <>
@@ -69,8 +73,8 @@ template <class Pass>
 inline constexpr Index one_pass_from = never;
 template <class T>
 inline constexpr Index one_pass_from<SubtractRankOne<T>> = 128;
-template <class T>
-inline constexpr Index one_pass_from<SubtractMirrored<T>> = 128;
+template <>
+inline constexpr Index one_pass_from<OnBlocks<SubtractRankOne<double>>> = 1024;
 template <>
 inline constexpr Index one_pass_from<SweepUd<double>> = 320;
 template <>
@@ -99,17 +103,9 @@ inline constexpr ByColumns by_columns_from<Multiply<T>>{256, 512};
 template <class T>
 inline constexpr ByColumns by_columns_from<SubtractRankOne<T>>{384, 384};
 template <class T>
-inline constexpr ByColumns by_columns_from<SubtractMirrored<T>>{192, 256};
-template <>
-inline constexpr ByColumns by_columns_from<SubtractMirrored<float>>{96, never};
-template <class T>
 inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractRankOne<T>>>{256, 512};
 template <>
 inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractRankOne<float>>>{128, never};
-template <class T>
-inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractMirrored<T>>>{320, 320};
-template <>
-inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractMirrored<float>>>{128, never};
 template <class T>
 inline constexpr ByColumns by_columns_from<SweepUd<T>>{256, 1600};
 template <>

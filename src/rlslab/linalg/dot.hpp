@@ -11,8 +11,8 @@ namespace rlslab {
 namespace detail {
 /// The part of the tree that ends in the sum of the lanes first, first + stride, ... below eight. With stride = 8 it is
 /// one lane: the running sum of the products first, first + 8, ...
-template <int first, int stride, class T>
-[[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
+template <int first, int stride, class X, class T>
+[[gnu::always_inline]] inline T lanes_summed(X const& x, T const* y, Index n) {
     if constexpr (stride == 8) {
         T sum = conjugate(x[first]) * y[first];
         for (Index k = first + 8; k < n; k += 8) sum += conjugate(x[k]) * y[k];

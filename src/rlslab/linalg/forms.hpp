@@ -7,14 +7,14 @@ namespace rlslab {
 
 /// A variant's form() names the members that hold its state, so that a time update, the removal of a row or a reset is
 /// written once a form and not once a variant. References: they live as long as the filter, and writing through them
-/// writes its state. P in full storage.
-template <Field T, int N>
+/// writes its state. P in full storage, or the blocks of one triangle.
+template <Field T, int N, class Storage = StateMatrix<T, N>>
 struct PlainCovariance {
     using scalar = T;
     T& lambda;
     DivisorNearOne<T>& by_lambda;
     StateVector<T, N>&theta, &K, &f;  // f: workspace
-    StateMatrix<T, N>& P;
+    Storage& P;
 };
 /// P = S S'; `upper`: S is an upper triangle.
 template <Real T, int N, bool upper>

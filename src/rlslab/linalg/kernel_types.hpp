@@ -153,18 +153,21 @@ struct AddSquare {
     T at(Index j) const { return w[j]; }
 };
 /// A_ij = A_ji' = t + t correction, t = A_ij - w_i f_j', for i <= j; A is symmetric (Hermitian: its diagonal stays
-/// real).
+/// real). For the arithmetics whose A is a StateMatrix; float and double do the same OnBlocks.
 template <class T>
 struct SubtractMirrored {
-    static constexpr int registers = 4;
     Index d, ld;
     T* A;
     T const *w, *f;
     RealOf<T> correction;
 };
+/// S on a SymmetricMatrix, whose blocks are ld x ld: a Multiply, a SubtractRankOne, which takes w_i f_j for i <= j and
+/// mirrors it, or an AddSquare.
+template <class S>
+struct OnBlocks : S {};
 /// The pass of S over A and a product with the A that it leaves, that of the next update: A is read once for both. S is
-/// a SubtractRankOne or a SubtractMirrored, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and
-/// out is that of MultiplyTransposed. x: d numbers. out differs from S's vectors.
+/// a SubtractRankOne, OnBlocks or not, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and out
+/// is that of MultiplyTransposed. x: d numbers. out differs from S's vectors.
 template <class S>
 struct ThenMultiply : S {
     static constexpr int registers = 4;

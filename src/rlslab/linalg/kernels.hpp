@@ -40,6 +40,10 @@ template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::Multiply<T>{A.size(), A.stride(), A.column(0), out.data(), x});
 }
+template <Hardware T, int N>
+void multiply(SymmetricMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::OnBlocks<kernels::Multiply<T>>{{A.size(), A.side, A.data(), out.data(), x}});
+}
 
 /// out = A'x, one dot product for each column.
 template <Scalar T, int N>
@@ -141,12 +145,9 @@ template <Field T, int N>
 void add_square(StateMatrix<T, N>& A, StateVector<T, N> const& x) {
     run_kernel<T, N>(kernels::AddSquare<T>{A.size(), A.stride(), A.column(0), x.data()});
 }
-/// A_ij = A_ji' = (A_ij - x_i f_j') / r for i <= j, A symmetric.
-template <Scalar T, int N>
-void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
-                                DivisorNearOne<RealOf<T>> const& by_r) {
-    run_kernel<T, N>(
-        kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+template <Hardware T, int N>
+void add_square(SymmetricMatrix<T, N>& A, StateVector<T, N> const& x) {
+    run_kernel<T, N>(kernels::OnBlocks<kernels::AddSquare<T>>{{A.size(), A.side, A.data(), x.data()}});
 }
 /// A = (A - (x g' + g x')) / r, A symmetric. The two products are added before the sum is subtracted, so that A stays
 /// symmetric.

@@ -45,6 +45,16 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     return P;
 }
 
+/// The same P0 where a symmetric matrix is stored. Of variance I no square is made.
+template <Scalar T, int N>
+SymmetricStorage<T, N> start_symmetric(Problem<T> const& problem) {
+    if (!problem.prior || problem.prior->stored || problem.prior->covariance)
+        return SymmetricStorage<T, N>(start_covariance<T, N>(problem));
+    SymmetricStorage<T, N> P(problem.size);
+    for (Index j = 0; j < P.size(); ++j) P(j, j) = T(problem.prior->variance);
+    return P;
+}
+
 /// Sets U (unit upper triangular) and D > 0 of P0 = U diag(D) U'. Throws as start_covariance.
 template <Scalar T, int N>
 void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<RealOf<T>, N>& D) {

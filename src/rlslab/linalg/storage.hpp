@@ -152,4 +152,56 @@ public:
     }
 };
 
+/// A symmetric matrix of d x d numbers, zero at first; N as above. The blocks on and above the diagonal are stored,
+/// each by columns, one block column after the other: half the memory of a square. A block is 8 x 8 (4 x 4 at fixed
+/// sizes up to 4).
+template <class T, int N = Dynamic>
+class SymmetricMatrix {
+    static constexpr Index numbers(Index size) {
+        Index const blocks = (size + side - 1) / side;
+        return blocks * (blocks + 1) / 2 * side * side;
+    }
+    static constexpr int Capacity = N == Dynamic ? Dynamic : int(numbers(N));
+    detail::Buffer<T, Capacity> buffer_;
+
+public:
+    static constexpr Index side = padded<T, N>(1);  ///< of a block
+
+    explicit SymmetricMatrix(Index size) : buffer_(numbers(size), size) {}
+    explicit SymmetricMatrix(StateMatrix<T, N> const& A) : SymmetricMatrix(A.size()) {
+        for (Index j = 0; j < size(); ++j)
+            for (Index i = 0; i < size(); ++i) (*this)(i, j) = A(i, j);
+    }
+    Index size() const {
+        if constexpr (N == Dynamic) return buffer_.held.value;
+        else return N;
+    }
+    T* data() { return buffer_.values.data(); }
+    T const* data() const { return buffer_.values.data(); }
+    auto& stored() { return buffer_.values; }  ///< every number, padding too
+
+    /// A_ij and A_ji are one number, or two in a block on the diagonal: who changes one changes the other.
+    T const& operator()(Index i, Index j) const {
+        Index const I = i / side, J = j / side;
+        return I > J ? (*this)(j, i) : data()[(J * (J + 1) / 2 + I) * side * side + j % side * side + i % side];
+    }
+    T& operator()(Index i, Index j) { return const_cast<T&>(std::as_const(*this)(i, j)); }
+    /// column(j)[i] is A_ij.
+    auto column(Index j) const {
+        struct Column {
+            SymmetricMatrix const& A;
+            Index j;
+            T const& operator[](Index i) const { return A(i, j); }
+        };
+        return Column{*this, j};
+    }
+    /// An expression of the d x d numbers, valid as above.
+    auto view() const {
+        return Matrix<T, N>::NullaryExpr(size(), size(), [this](Index i, Index j) { return (*this)(i, j); });
+    }
+};
+/// The storage of a symmetric matrix in every arithmetic.
+template <class T, int N>
+using SymmetricStorage = std::conditional_t<Hardware<T>, SymmetricMatrix<T, N>, StateMatrix<T, N>>;
+
 }  // namespace rlslab

@@ -28,8 +28,8 @@ Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, 
 /// Sets L (unit lower triangular) and D of X = L diag(D) L' (Cholesky without roots). Reads X's lower triangle; leaves
 /// what is above L's diagonal. L may be X. Returns false when a pivot D_j is not positive: the factors then have no
 /// meaning. Cost d^3/6 multiplications.
-template <Scalar T, int N>
-Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<RealOf<T>, N>& D) {
+template <Scalar T, int N, class Storage>
+Truth<T> factor_ldl(Storage const& X, StateMatrix<T, N>& L, StateVector<RealOf<T>, N>& D) {
     Index const d = D.size();
     Truth<T> positive = true;
     for (Index j = 0; j < d; ++j)

@@ -19,6 +19,8 @@ template <class T>
 inline constexpr bool is_square = false;
 template <class T, int N>
 inline constexpr bool is_square<StateMatrix<T, N>> = true;
+template <class T, int N>
+inline constexpr bool is_square<SymmetricMatrix<T, N>> = true;
 
 template <class F>
 constexpr std::string_view layer_of() {

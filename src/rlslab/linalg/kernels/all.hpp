@@ -10,6 +10,8 @@
 
 #include <rlslab/linalg/kernels/columns.hpp>
 
+#include <rlslab/linalg/kernels/blocks.hpp>
+
 #include <rlslab/linalg/kernels/lower.hpp>
 
 #include <rlslab/linalg/kernels/rows.hpp>

@@ -123,14 +123,6 @@ struct SimdBlock {
         }
     }
     [[gnu::always_inline]] void set(SimdBlock const& a) { *this = a; }
-    /// Takes the first `count` rows of a. The others stay.
-    [[gnu::always_inline]] void set_first(SimdBlock const& a, Index count) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) {
-            Mask const here = mask(count, m);
-            v[m] = V((here & Mask(a.v[m])) | (~here & Mask(v[m])));
-        }
-    }
     [[gnu::always_inline]] void scale(T a) {
 #pragma GCC unroll 16
         for (V& r : v) r = r * a;

@@ -87,34 +87,6 @@ template <class B, int C, class S, class Also>
 [[gnu::always_inline]] inline void change(S const& s, Index j0, Index i0, Index i1, Also& also) {
     side_by_side<B>(s, Columns<C, S>(s, j0), i0, i1, also);
 }
-/// Above the diagonal the step of SubtractRankOne with w and f, below it that with f and w.
-template <class B, int C, class T, class Also>
-[[gnu::always_inline]] inline void change(SubtractMirrored<T> const& s, Index j0, Index i0, Index i1, Also& also) {
-    using Half = SubtractRankOne<T>;
-    Half const above{s.d, s.ld, s.A, s.w, s.f, s.correction}, below{s.d, s.ld, s.A, s.f, s.w, s.correction};
-    Columns<C, Half> const upper(above, j0), lower(below, j0);
-    static_assert(B::rows % C == 0);  // one block of rows holds all diagonals of the group
-    Index const corner = j0 / B::rows * B::rows;
-    side_by_side<B>(above, upper, i0, std::min(corner, i1), also);
-    if (i0 <= corner && corner < i1) {
-        B w = block_of<B>(s.w, corner), f = block_of<B>(s.f, corner);
-        also.begin(corner);
-#pragma GCC unroll 16
-        for (int c = 0; c < C; ++c) {
-            B t;
-            t.load(upper.column[c] + corner);
-            B before = t;
-            step(above, upper.at[c], before, w);
-            step(below, lower.at[c], t, f);
-            t.set_first(before, j0 + c + 1 - corner);
-            t.store(upper.column[c] + corner);
-            also.add(c, t);
-        }
-        also.end(corner);
-    }
-    side_by_side<B>(below, lower, std::max(corner + B::rows, i0), i1, also);
-}
-
 template <class B, int C, class S>
 [[gnu::always_inline]] inline void group(S const& s, Index j0) {
     NothingElse none;

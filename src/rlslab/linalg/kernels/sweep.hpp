@@ -108,7 +108,7 @@ template <class B, int K, Sweep S>
 struct NothingElse {
     void begin(Index) {}
     template <class B>
-    [[gnu::always_inline]] void add(int, B const&, Index = 0) {}
+    [[gnu::always_inline]] void add(int, B const&) {}
     void end(Index) {}
 };
 template <class B, int K, class T>
@@ -142,88 +142,6 @@ template <class B, int K, Sweep S>
             product.add(m, t, j);
         }
     }
-    product.store(s.out + i0);
-}
-
-// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j, in K blocks of rows. For K = 3, the columns from left to right:
-//
-//                 columns       columns of the diagonal of      columns
-//                 before        block 0   block 1   block 2     behind
-//      block 0    below         diagonal  above     above       above
-//      block 1    below         below     diagonal  above       above
-//      block 2    below         below     below     diagonal    above
-//
-//      above      t -= w f_j            in these columns `running` is w
-//      below      t -= f w_j            in these columns `running` is f
-//      diagonal   rows up to the diagonal, in column c of the block: as above; the others: as below
-template <class B, class T>
-[[gnu::always_inline]] inline void update_above(SubtractMirrored<T> const& s, B const& w, Index j, B& t) {
-    t.subtract_product(w, s.f[j]);
-}
-template <class B, class T>
-[[gnu::always_inline]] inline void update_below(SubtractMirrored<T> const& s, B const& f, Index j, B& t) {
-    t.subtract_product(f, s.w[j]);
-}
-template <int c, class B, class T>
-[[gnu::always_inline]] inline void update_diagonal(SubtractMirrored<T> const& s, B const& f, Index i, Index j, B& t) {
-    t.template subtract_either<c + 1>(block_of<B>(s.w, i), s.f[j], f, s.w[j]);
-}
-/// The blocks from m on of column j, whose diagonal is in column c of block p; p = -1: before all blocks, p = K: behind
-/// them.
-template <int m, int p, int c, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_column(SubtractMirrored<T> const& s, B const (&running)[K], Also& also,
-                                                 Index i0, Index j) {
-    Index const i = i0 + m * B::rows;
-    T* const here = s.A + j * s.ld + i;
-    B t;
-    t.load(here);
-    if constexpr (m < p) update_above(s, running[m], j, t);
-    else if constexpr (m > p) update_below(s, running[m], j, t);
-    else update_diagonal<c>(s, running[m], i, j, t);
-    t.add_product(t, s.correction);
-    t.store(here);
-    also.add(m, t, j);
-    if constexpr (m + 1 < K) update_column<m + 1, p, c>(s, running, also, i0, j);
-}
-/// The columns whose diagonal is in block p, from its column c on.
-template <int p, int c, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_columns_of_block(SubtractMirrored<T> const& s, B const (&running)[K],
-                                                           Also& also, Index i0) {
-    Index const j = i0 + p * B::rows + c;
-    update_column<0, p, c>(s, running, also, i0, j);
-    if constexpr (c + 1 < B::rows)
-        if (j + 1 < s.d) update_columns_of_block<p, c + 1>(s, running, also, i0);
-}
-/// The columns whose diagonal is in block p, then those of the next blocks, and last the columns behind all blocks.
-template <int p, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_columns_from_block(SubtractMirrored<T> const& s, B (&running)[K], Also& also,
-                                                             Index i0) {
-    Index const j0 = i0 + p * B::rows;
-    if constexpr (p < K) {
-        update_columns_of_block<p, 0>(s, running, also, i0);
-        running[p] = block_of<B>(s.w, j0);
-        update_columns_from_block<p + 1>(s, running, also, i0);
-    } else {
-        for (Index j = j0; j < s.d; ++j) update_column<0, p, 0>(s, running, also, i0, j);
-    }
-}
-template <class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_rows(SubtractMirrored<T> const& s, Also& also, Index i0) {
-    B running[K];
-#pragma GCC unroll 16
-    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows);
-    for (Index j = 0; j < i0; ++j) update_column<0, -1, 0>(s, running, also, i0, j);
-    update_columns_from_block<0>(s, running, also, i0);
-}
-template <class B, int K, class T>
-[[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
-    NothingElse nothing;
-    update_rows<B, K>(s, nothing, i0);
-}
-template <class B, int K, class T>
-[[gnu::always_inline]] inline void rows(ThenMultiply<SubtractMirrored<T>> const& s, Index i0) {
-    SumOfColumns<B, K, T> product(s.x);
-    update_rows<B, K>(static_cast<SubtractMirrored<T> const&>(s), product, i0);
     product.store(s.out + i0);
 }
 

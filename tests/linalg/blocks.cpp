@@ -1,0 +1,177 @@
+// A symmetric matrix in blocks takes part in the operations of a square, number by number, with every instruction set;
+// and `symmetric` on it is the recursion on a square, bit for bit.
+#include "tests/common/each_isa.hpp"
+#include "tests/common/on_a_square.hpp"
+#include "tests/linalg/known_rows.hpp"
+
+#include <rlslab/variants/symmetric.hpp>
+
+#include <gtest/gtest.h>
+
+namespace rlslab {
+using namespace known_rows;
+namespace {
+
+using namespace kernels;
+
+template <class T>
+class Blocks : public testing::Test {};
+using HardwareArithmetics = testing::Types<float, double>;
+TYPED_TEST_SUITE(Blocks, HardwareArithmetics);
+
+/// run(set, evaluate) for the registers of each instruction set, whichever of them dispatch.hpp would choose.
+template <class T, class Run>
+void on_each_set(Run run) {
+    run("16 bytes", []<class K>(K const& k) { portable::run_outlined<portable::InRegisters<K, T, 16>>(k); });
+#ifdef __x86_64__
+    if (best_isa() >= Isa::avx2)
+        run("AVX2", []<class K>(K const& k) { avx2::run_outlined<avx2::InRegisters<K, T, 32>>(k); });
+    if constexpr (sizeof(T) == 8)
+        if (best_isa() >= Isa::avx512)
+            run("AVX-512", []<class K>(K const& k) { avx512::run_outlined<avx512::InRegisters<K, T, 64>>(k); });
+#endif
+}
+
+/// A symmetric square, two vectors along it, and the x of a product; what is padding is no number.
+template <class T>
+struct Operands {
+    StateMatrix<T> A;
+    StateVector<T> w, f, x;
+
+    Operands(Index d, Kind kind, Seed seed) : A(d), w(d), f(d), x(d) {
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i <= j; ++i) A(i, j) = A(j, i) = number<T>(seed, kind);
+        for (auto* v : {&w, &f}) {
+            for (Index i = 0; i < d; ++i) (*v)[i] = number<T>(seed, kind);
+            for (Index i = d; i < padded<T, Dynamic>(d); ++i) v->data()[i] = std::numeric_limits<T>::quiet_NaN();
+        }
+        for (Index i = 0; i < d; ++i) x[i] = number<T>(seed, kind);
+    }
+    std::vector<T> product(StateMatrix<T> const& by) const {
+        std::vector<T> out;
+        for (Index i = 0; i < by.size(); ++i) {
+            T sum = by(i, 0) * x[0];
+            for (Index j = 1; j < by.size(); ++j) sum += by(i, j) * x[j];
+            out.push_back(sum);
+        }
+        return out;
+    }
+};
+template <class T>
+bool same(SymmetricMatrix<T> const& S, StateMatrix<T> const& A) {
+    bool equal = true;
+    for (Index j = 0; j < A.size(); ++j)
+        for (Index i = 0; i < A.size(); ++i) equal = equal && known_rows::same(S(i, j), A(i, j));
+    return equal;
+}
+template <class T>
+std::vector<T> numbers(StateVector<T> const& x) {
+    return {x.data(), x.data() + x.size()};
+}
+
+template <class T>
+void check_kernels(Index d, Kind kind) {
+    Operands<T> const o(d, kind, Seed{std::uint64_t(d)});
+    T const correction = T(0.015625);
+    StateMatrix<T> less = o.A, more = o.A;
+    for (Index j = 0; j < d; ++j)
+        for (Index i = 0; i <= j; ++i) {
+            T const t = o.A(i, j) - o.w[i] * o.f[j], product = o.w[i] * o.w[j];
+            less(i, j) = less(j, i) = t + t * correction;
+            more(i, j) = more(j, i) = o.A(i, j) + product;
+        }
+    on_each_set<T>([&](char const* set, auto evaluate) {
+        SCOPED_TRACE(std::string(set) + ", " + std::to_string(d) + " parameters");
+        SymmetricMatrix<T> S(o.A);
+        StateVector<T> out(d);
+        ASSERT_TRUE(same(S, o.A));
+        evaluate(OnBlocks<Multiply<T>>{{d, S.side, S.data(), out.data(), o.x.data()}});
+        EXPECT_TRUE(known_rows::same(numbers(out), o.product(o.A))) << "Multiply";
+
+        OnBlocks<SubtractRankOne<T>> const subtract{{d, S.side, S.data(), o.w.data(), o.f.data(), correction}};
+        evaluate(subtract);
+        EXPECT_TRUE(same(S, less)) << "SubtractRankOne";
+
+        S = SymmetricMatrix<T>(o.A);
+        evaluate(ThenMultiply<OnBlocks<SubtractRankOne<T>>>{
+            {{d, S.side, S.data(), o.w.data(), o.f.data(), correction}}, o.x.data(), out.data()});
+        EXPECT_TRUE(same(S, less)) << "SubtractRankOne before a product";
+        EXPECT_TRUE(known_rows::same(numbers(out), o.product(less))) << "the product behind it";
+
+        S = SymmetricMatrix<T>(o.A);
+        evaluate(OnBlocks<AddSquare<T>>{{d, S.side, S.data(), o.w.data()}});
+        EXPECT_TRUE(same(S, more)) << "AddSquare";
+    });
+}
+TYPED_TEST(Blocks, TakePartInTheOperationsOfASquare) {
+    for (Index d = 1; d <= 73; ++d)
+        for (Kind kind : kinds) {
+            check_kernels<TypeParam>(d, kind);
+            if (testing::Test::HasFailure()) return;  // one size tells enough
+        }
+}
+
+/// theta, P and the step after each row, given one by one, and after all of them, known in advance.
+template <class T, int N>
+void check_recursion(Index d, Index rows = 12) {
+    for (Kind kind : kinds) {
+        Problem<T> const problem{.size = d, .forgetting = T(0.984375)};
+        Symmetric<T, N> blocks(problem), known(problem);
+        SymmetricOnASquare<T, N> square(problem);
+        Seed seed{std::uint64_t(d)};
+        Matrix<T> psi(d, rows);
+        Vector<T> y(rows);
+        for (T& x : psi.reshaped()) x = number<T>(seed, kind);
+        for (T& x : y) x = number<T>(seed, kind);
+        auto const shown = [](auto const& f) {
+            Matrix<T> const P = f.covariance();
+            std::vector<T> out(P.reshaped().begin(), P.reshaped().end());
+            out.insert(out.end(), f.theta().begin(), f.theta().end());
+            return out;
+        };
+        for (Index k = 0; k < rows; ++k) {
+            Step<T> const a = blocks.update({psi.col(k).data(), d}, y[k]),
+                          b = square.update({psi.col(k).data(), d}, y[k]);
+            ASSERT_TRUE(known_rows::same(a.gamma, b.gamma) && a.health == b.health) << d << ", row " << k;
+            ASSERT_TRUE(known_rows::same(shown(blocks), shown(square))) << d << ", row " << k;
+        }
+        rows_at_once(known, RowsOf<T>(psi), OutputsOf<T>(y));
+        ASSERT_TRUE(known_rows::same(shown(known), shown(square))) << d;
+    }
+}
+TYPED_TEST(Blocks, CarryTheRecursionOfASquare) {
+    using T = TypeParam;
+    on_each_isa([] {
+        for (Index d : {1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 23, 24, 25, 31, 32, 33, 64, 65, 127, 129})
+            check_recursion<T, Dynamic>(d);
+        check_recursion<T, 2>(2);
+        check_recursion<T, 3>(3);
+        check_recursion<T, 4>(4);
+        check_recursion<T, 5>(5);
+        check_recursion<T, 8>(8);
+        check_recursion<T, 9>(9);
+        check_recursion<T, 17>(17);
+    });
+}
+/// From some size on the product is computed with the change of P (dispatch.hpp).
+TYPED_TEST(Blocks, CarryItAtTheSizeWhereOnePassIsFaster) {
+    on_each_isa([] { check_recursion<TypeParam, Dynamic>(513, 2); });
+}
+
+TEST(Blocks, TakeHalfTheMemory) {
+    EXPECT_EQ(SymmetricMatrix<double>(512).stored().size(), 512u * 520 / 2);
+    EXPECT_EQ(SymmetricMatrix<double>(513).stored().size(), 520u * 528 / 2);
+    EXPECT_LT(sizeof(Symmetric<double, 64>), sizeof(SymmetricOnASquare<double, 64>) * 6 / 10);
+    EXPECT_EQ(sizeof(SymmetricMatrix<double, 4>), sizeof(StateMatrix<double, 4>));
+}
+TEST(Blocks, LeaveNothingToAFilterThatWasMovedFrom) {
+    SymmetricMatrix<double> S(9);
+    S(8, 1) = 3;
+    EXPECT_EQ(S(1, 8), 3);
+    SymmetricMatrix<double> const taken = std::move(S);
+    EXPECT_EQ(taken(8, 1), 3);
+    EXPECT_EQ(S.size(), 0);
+}
+
+}  // namespace
+}  // namespace rlslab
