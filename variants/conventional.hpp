@@ -35,14 +35,16 @@ public:
 
     /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
-    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) { return commit(look(psi, y), perturb); }
-    Innovation<T> look(Regressor<T> psi, T y) {
+    [[gnu::always_inline]] Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
+        return commit(look(psi, y), perturb);
+    }
+    [[gnu::always_inline]] Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_, next_);                                                             // (1)
         return {e, lambda_ + real_part(dot(psi, f_))};                                                   // (2)
     }
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
-    Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
+    [[gnu::always_inline]] Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
         auto const [e, s] = row;
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);

@@ -32,14 +32,16 @@ public:
     /// `perturb(v)` changes v before K = v / s and (4). Its error reaches P in first order, P stays semidefinite:
     /// docs/theory.md 32.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
-    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) { return commit(look(psi, y), perturb); }
-    Innovation<T> look(Regressor<T> psi, T y) {
+    [[gnu::always_inline]] Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
+        return commit(look(psi, y), perturb);
+    }
+    [[gnu::always_inline]] Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply_transposed(S_, psi.data(), f_);                                                         // (1)
         return {e, lambda_ + real_part(dot(f_, f_))};                                                    // (2)
     }
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
-    Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
+    [[gnu::always_inline]] Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
         auto const [e, s] = row;
         multiply(S_, f_.data(), v_);                                                                     // (3)
         perturb(v_);

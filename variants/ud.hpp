@@ -43,15 +43,17 @@ public:
     /// `perturb(v_1 ... v_j, 1)` changes v after column j of (4). Its error reaches P in first order, P stays definite:
     /// docs/theory.md 33, 34.
     template <PerturbsSweep<T> Perturb = NoPerturbation>
-    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) { return commit(look(psi, y), perturb); }
-    Innovation<T> look(Regressor<T> psi, T y) {
+    [[gnu::always_inline]] Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
+        return commit(look(psi, y), perturb);
+    }
+    [[gnu::always_inline]] Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(U_, psi.data(), f_, next_);                                            // (1)
         scale(D_, f_, g_);
         return {e, prefix_sums(lambda_, f_, g_, before_, s_)};                                           // (2)
     }
     template <PerturbsSweep<T> Perturb = NoPerturbation>
-    Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
+    [[gnu::always_inline]] Step<T> commit(Innovation<T> const& row, Perturb perturb = {}) {
         auto const [e, s] = row;
         divide(f_, before_, mu_);
         divide(before_, s_, before_);                                                                    // (3)

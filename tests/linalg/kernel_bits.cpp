@@ -95,6 +95,14 @@ std::vector<T> after(Operands<T> operands, Make make, Run run) {
     return operands.results();
 }
 
+/// The text for fixed sizes, of the operands' size; false where there is none.
+template <class T, class Kernel, int... N>
+bool run_small(Kernel const& kernel, std::integer_sequence<int, N...>) {
+    if constexpr (requires { portable::evaluate_small<1, T>(kernel); })
+        return ((kernel.d == N + 1 && (portable::evaluate_small<N + 1, T>(kernel), true)) || ...);
+    return false;
+}
+
 /// With infinities the registers are compared with one another alone: in a triangle, the zeros beside the diagonal
 /// times an infinity are NaN, which single rows never compute. (The filter is broken down then, and says so.)
 template <class T, class Make>
@@ -114,6 +122,11 @@ void check_one(char const* name, Operands<T> const& operands, Kind kind, Make ma
         if (kind != Kind::special)
             same("single rows",
                  after(operands, make, [](auto const& k) { portable::evaluate<portable::Any<Kernel, T>>(k); }));
+    if constexpr (requires(Kernel k) { portable::evaluate_small<1, T>(k); })
+        if (operands.d <= small_up_to && (kind != Kind::special || !UpperSweep<Kernel>))
+            same("the text for fixed sizes", after(operands, make, [](auto const& k) {
+                     EXPECT_TRUE(run_small<T>(k, std::make_integer_sequence<int, small_up_to>()));
+                 }));
 #ifdef __x86_64__
     if (best_isa() >= Isa::avx2)
         same("AVX2", after(operands, make, [](auto const& k) {
@@ -164,7 +177,7 @@ TYPED_TEST(KernelBits, OfElementwiseKernelsAreTheSame) {
     check<T>("Divide", Part::full, [=](O& o) { return Divide<T>{over(o), o.v[2].data()}; });
     check<T>("Scale", Part::full, [=](O& o) { return Scale<T>{over(o), o.v[2].data()}; });
     check<T>("SquareRoots", Part::full, [=](O& o) { return SquareRoots<T>{over(o)}; });
-    check<T>("AddScaled", Part::full, [=](O& o) { return AddScaled<T>{over(o), o.scalar, o.v[2].data()}; });
+    check<T>("AddScaled", Part::full, [=](O& o) { return AddScaled<T>{over(o), o.v[2].data(), o.scalar}; });
     check<T>("ScaleByOne", Part::full, [=](O& o) { return ScaleByOne<T>{over(o), o.scalar}; });
     check<T>("Add", Part::full, [=](O& o) { return Add<T>{over(o), o.v[2].data()}; });
     check<T>("AddProduct", Part::full, [=](O& o) { return AddProduct<T>{over(o), o.v[2].data(), o.v[3].data()}; });

@@ -118,24 +118,8 @@ inline constexpr ByColumns by_columns_from<SweepRotations<T>>{640, 1600};
 /// RotateInRows is faster than RotateIn for one row after another from this d on.
 inline constexpr Index together_from = 5;
 
-/// At fixed sizes up to this one the text for single rows is faster than a block of four rows, half of which would be
-/// padding: `ud`, `potter`, `carlson` of 2 take 0.5 to 0.8 of the time, at -O2 and -O3.
-template <class Kernel>
-inline constexpr int single_rows_up_to = 0;
-template <Elementwise Kernel>
-inline constexpr int single_rows_up_to<Kernel> = 2;
-template <class T, Shape shape>
-inline constexpr int single_rows_up_to<MultiplyTransposed<T, shape>> = 2;
-template <class T>
-inline constexpr int single_rows_up_to<Multiply<T>> = 2;
-template <class T>
-inline constexpr int single_rows_up_to<SubtractRankOne<T>> = 2;
-template <class T>
-inline constexpr int single_rows_up_to<SweepUd<T>> = 2;
-template <class T>
-inline constexpr int single_rows_up_to<SweepCarlson<T>> = 2;
-template <class T>
-inline constexpr int single_rows_up_to<SweepRotations<T>> = 2;
+/// Up to this fixed size a kernel that has a text for it (kernels/small.hpp) is inlined, without loops.
+inline constexpr int small_up_to = 8;
 
 }  // namespace rlslab::kernels
 
@@ -143,7 +127,9 @@ inline constexpr int single_rows_up_to<SweepRotations<T>> = 2;
 
 namespace rlslab::kernels::portable {
 #include <rlslab/linalg/kernels/all.hpp>
-}
+
+#include <rlslab/linalg/kernels/small.hpp>
+}  // namespace rlslab::kernels::portable
 #ifndef RLSLAB_COMPILED_KERNELS
 #include <rlslab/linalg/kernels/each_isa.hpp>
 #endif
@@ -230,8 +216,10 @@ void dispatch(Kernel const& kernel);
 template <class T, int N, class Kernel>
 [[gnu::always_inline]] inline void run_kernel(Kernel const& kernel) {
     using namespace kernels;
-    if constexpr (!Hardware<T> || (N != Dynamic && N <= single_rows_up_to<Kernel>)) {
+    if constexpr (!Hardware<T>) {
         portable::evaluate<portable::Any<Kernel, T>>(kernel);
+    } else if constexpr (N != Dynamic && N <= small_up_to && requires { portable::evaluate_small<N, T>(kernel); }) {
+        portable::evaluate_small<N, T>(kernel);
     } else if constexpr (N != Dynamic && N <= 4) {
         portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
     } else if constexpr (N != Dynamic && N <= 8) {

@@ -56,4 +56,11 @@ Accumulator<T> dot(T const* x, T const* y, Index n) {
     return lane[0];
 }
 
+/// The same for n = N, or Dynamic; up to eight numbers without loops.
+template <int N, Scalar T>
+Accumulator<T> dot(T const* x, T const* y, Index n) {
+    if constexpr (N != Dynamic && N <= 8 && std::floating_point<T>) return detail::lanes_summed<0, 1>(x, y, N);
+    else return dot(x, y, n);
+}
+
 }  // namespace rlslab

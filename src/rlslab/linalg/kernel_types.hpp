@@ -51,8 +51,8 @@ struct SquareRoots : OverColumn<T> {};
 /// out_i = x_i + a y_i.
 template <class T>
 struct AddScaled : OverColumn<T> {
-    T a;
     T const* y;
+    T a;
 };
 /// out_i = a x_i.
 template <class T>

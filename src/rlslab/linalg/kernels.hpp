@@ -18,11 +18,11 @@ namespace rlslab {
 /// x'y, in the order above. In these functions ' conjugates where the numbers are complex.
 template <Scalar T, int N>
 Accumulator<T> dot(Regressor<T> const& x, StateVector<T, N> const& y) {
-    return dot(x.data(), y.data(), y.size());
+    return dot<N>(x.data(), y.data(), y.size());
 }
 template <Scalar T, int N>
 Accumulator<T> dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
-    return dot(x.data(), y.data(), x.size());
+    return dot<N>(x.data(), y.data(), x.size());
 }
 
 /// y += a x, n numbers or d. The rounded product is added. y may be x.
@@ -32,7 +32,7 @@ void add_scaled(T* y, T const& a, T const* x, Index n) {
 }
 template <Scalar T, int N>
 void add_scaled(StateVector<T, N>& y, T const& a, StateVector<T, N> const& x) {
-    run_kernel<T, N>(kernels::AddScaled<T>{{y.size(), y.data(), y.data()}, a, x.data()});
+    run_kernel<T, N>(kernels::AddScaled<T>{{y.size(), y.data(), y.data()}, x.data(), a});
 }
 
 /// out = A x, as a sum of columns from the first to the last.
@@ -130,7 +130,7 @@ RealOf<T> prefix_sums(std::type_identity_t<RealOf<T>> const& s, StateVector<T, N
 /// out = x / r. out may be x.
 template <Field T, int N>
 void divide(StateVector<T, N> const& x, DivisorNearOne<T> const& by_r, StateVector<T, N>& out) {
-    run_kernel<T, N>(kernels::AddScaled<T>{{out.size(), x.data(), out.data()}, by_r.correction(), x.data()});
+    run_kernel<T, N>(kernels::AddScaled<T>{{out.size(), x.data(), out.data()}, x.data(), by_r.correction()});
 }
 
 /// A = (A - x f') / r. x and f may be the same.

@@ -64,7 +64,7 @@ class NextRow<Pass, N> {
 public:
     explicit NextRow(Index) {}
     void announce(T const*) {}
-    void run(Pass const& pass) { run_kernel<T, N>(pass); }
+    [[gnu::always_inline]] void run(Pass const& pass) { run_kernel<T, N>(pass); }
     bool move_product(StateVector<T, N>&) { return false; }
 };
 

@@ -22,7 +22,7 @@ T kept(At const& at) {
 /// ... v_j, kept_j) after column j. The bits are the same if that changes nothing (stochastic rounding aside, which
 /// draws in another order).
 template <Scalar T, int N, class Kernel, class Perturb, class... Next>
-void run_sweep(Kernel const& kernel, Perturb& perturb, Next&... next) {
+[[gnu::always_inline]] inline void run_sweep(Kernel const& kernel, Perturb& perturb, Next&... next) {
     if constexpr (std::same_as<Perturb, NoPerturbation>) {
         if constexpr (sizeof...(Next) == 0) run_kernel<T, N>(kernel);
         else (next.run(kernel), ...);
@@ -57,8 +57,9 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
 
 /// U_ij = t - v_i mu_j', v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
 template <Scalar T, int N, class Perturb, class... Next>
-void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v,
-              Perturb& perturb, Next&... next) {
+[[gnu::always_inline]] inline void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g,
+                                            StateVector<T, N> const& mu, StateVector<T, N>& v, Perturb& perturb,
+                                            Next&... next) {
     detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()},
                             perturb, next...);
 }
@@ -66,9 +67,10 @@ void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N
 /// S_ij = (t keep_j - v_i mix_j') / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and
 /// an output.
 template <Scalar T, int N, class Perturb, class... Next>
-void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<RealOf<T>, N> const& keep,
-                   StateVector<T, N> const& mix, DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v,
-                   Perturb& perturb, Next&... next) {
+[[gnu::always_inline]] inline void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f,
+                                                 StateVector<RealOf<T>, N> const& keep, StateVector<T, N> const& mix,
+                                                 DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v,
+                                                 Perturb& perturb, Next&... next) {
     detail::run_sweep<T, N>(
         kernels::SweepCarlson<T>{
             {S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()},

@@ -22,7 +22,14 @@ struct ScalarRow {
     [[gnu::always_inline]] void divide(ScalarRow const& a) { x /= a.x; }
     [[gnu::always_inline]] void subtract(ScalarRow const& a) { x -= a.x; }
     [[gnu::always_inline]] void add(ScalarRow const& a) { x += a.x; }
-    [[gnu::always_inline]] void square_root_each() { x = square_root(x); }
+    [[gnu::always_inline]] void square_root_each() {
+        if constexpr (Hardware<T>) {  // as an instruction: a call that may set errno would spill the other registers
+            typedef T Two __attribute__((vector_size(16)));
+            x = root_of_each(Two{x})[0];
+        } else {
+            x = square_root(x);
+        }
+    }
     [[gnu::always_inline]] void clear(Truth<T> const& where) { x = select(where, T(0), x); }
     [[gnu::always_inline]] void set(ScalarRow const& a) { x = a.x; }
     [[gnu::always_inline]] void add_product(ScalarRow const& a, T const& b) { x += a.x * b; }
