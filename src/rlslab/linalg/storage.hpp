@@ -157,6 +157,10 @@ public:
 /// sizes up to 4).
 template <class T, int N = Dynamic>
 class SymmetricMatrix {
+public:
+    static constexpr Index side = padded<T, N>(1);  ///< of a block
+
+private:
     static constexpr Index numbers(Index size) {
         Index const blocks = (size + side - 1) / side;
         return blocks * (blocks + 1) / 2 * side * side;
@@ -165,8 +169,6 @@ class SymmetricMatrix {
     detail::Buffer<T, Capacity> buffer_;
 
 public:
-    static constexpr Index side = padded<T, N>(1);  ///< of a block
-
     explicit SymmetricMatrix(Index size) : buffer_(numbers(size), size) {}
     explicit SymmetricMatrix(StateMatrix<T, N> const& A) : SymmetricMatrix(A.size()) {
         for (Index j = 0; j < size(); ++j)

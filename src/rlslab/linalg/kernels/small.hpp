@@ -132,3 +132,6 @@ template <int N, class T, Sweep S>
 }
 template <int N, class T, Sweep S>
 void evaluate_small(ThenMultiply<S> const&) = delete;  // so small a P is not multiplied ahead
+// The one block of so small a SymmetricMatrix is a square. But below the diagonal w_j f_i is subtracted, not w_i f_j.
+template <int N, class T>
+void evaluate_small(OnBlocks<SubtractRankOne<T>> const&) = delete;
