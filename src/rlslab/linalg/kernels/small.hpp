@@ -27,7 +27,8 @@ template <class B, class K>
     x.store(k.out + i0);
 }
 template <class B, class K, int... m>
-[[gnu::always_inline]] inline void apply_in(K const& k, Index first, std::integer_sequence<int, m...>) {
+[[gnu::always_inline]] inline void apply_in(K const& k, [[maybe_unused]] Index first,
+                                            std::integer_sequence<int, m...>) {
     (apply_at<B>(k, first + m * B::rows), ...);
 }
 template <int N, class T, Elementwise K>
@@ -46,7 +47,8 @@ template <class B, class T>
     block.store(out);
 }
 template <class B, class T, int... m>
-[[gnu::always_inline]] inline void store_in(T const* x, T* out, std::integer_sequence<int, m...>) {
+[[gnu::always_inline]] inline void store_in([[maybe_unused]] T const* x, [[maybe_unused]] T* out,
+                                            std::integer_sequence<int, m...>) {
     (store_block<B>(x + m * B::rows, out + m * B::rows), ...);
 }
 template <int N, class T>
