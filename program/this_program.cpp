@@ -12,10 +12,10 @@ ThisProgram const this_program{
         "(compare), the variant broke down (identify), the input identifies no model (excitation)",
     .commands =
         [](CLI::App& app) {
-            return std::vector<Command>{compare_command(app),    sweep_command(app),    study_command(app),
-                                        merge_command(app),      identify_command(app), simulate_command(app),
-                                        excitation_command(app), state_command(app),    list_command(app),
-                                        example_command(app),    cite_command(app),     help_command(app),
+            return std::vector<Command>{compare_command(app),    sweep_command(app),     study_command(app),
+                                        merge_command(app),      identify_command(app),  simulate_command(app),
+                                        excitation_command(app), state_command(app),     list_command(app),
+                                        example_command(app),    cite_command(app),      help_command(app),
                                         man_command(app),        completion_command(app)};
         },
 };
