@@ -310,7 +310,8 @@ protected:
 };
 TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab co"), "compare ");
-    EXPECT_EQ(offered("rlslab \"\""), "compare sweep study merge identify simulate excitation state list example cite help ");
+    EXPECT_EQ(offered("rlslab \"\""),
+              "compare sweep study merge identify simulate excitation state list example cite help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation example ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
     EXPECT_EQ(offered("rlslab study gain_e"),
