@@ -174,10 +174,10 @@ void set_command(std::vector<std::string> const& words, std::string const& name)
                                       alone[] = {"--json", "--csv", "--quiet", "--fresh"};
     command_words = {name};
     for (size_t i = 0; i < words.size(); ++i) {
-        std::string_view const name = std::string_view(words[i]).substr(0, words[i].find('='));
+        std::string_view const option = std::string_view(words[i]).substr(0, words[i].find('='));
         if (std::ranges::find(alone, words[i]) != std::end(alone)) continue;
-        if (std::ranges::find(with_value, name) == std::end(with_value)) command_words.push_back(words[i]);
-        else if (name == words[i]) ++i;
+        if (std::ranges::find(with_value, option) == std::end(with_value)) command_words.push_back(words[i]);
+        else if (option == words[i]) ++i;
     }
 }
 
