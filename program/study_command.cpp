@@ -43,8 +43,8 @@ std::string listed(std::string_view head, std::vector<std::string> const& lines)
 /// The record of verdicts in a file. Throws InputError for what cannot be read or is none.
 Record record_in(std::string const& path) {
     std::ifstream file(path, std::ios::binary);
-    std::error_code error;
-    if (!file || std::filesystem::is_directory(path, error))
+    std::error_code none;
+    if (!file || std::filesystem::is_directory(path, none))
         throw InputError(fmt::format("--against: {}: cannot be read", printable(path, 200)));
     std::string const text{std::istreambuf_iterator<char>(file), {}};
     try {

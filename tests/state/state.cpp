@@ -226,6 +226,10 @@ TEST(State, OfAFixedSizeIsThatOfAnyOther) {
     Ud<float, 5> fixed({.size = 5, .forgetting = 0.75f});
     Ud<float> dynamic({.size = 5});
     static_assert(std::tuple_size_v<decltype(state_of(fixed))> == state_bytes<Ud<float, 5>>);
+    for_each(Variants<double>{}, []<class F>() {
+        static_assert(detail::known<AtSize<F, 4>>().exact);  // no heap
+        static_assert(detail::known<F>().square);            // a forged size is refused before d x d numbers are taken
+    });
     fixed.update({1, 2, 3, 4, 5}, 6);
     ASSERT_EQ(load(dynamic, state_of(fixed)), StateFault::none);
     EXPECT_EQ(fixed.theta(), dynamic.theta());

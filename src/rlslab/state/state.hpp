@@ -273,6 +273,8 @@ struct KnownOf<StateMatrix<T, N>> {
     static constexpr Known value = N == Dynamic ? Known{.exact = false, .square = true}
                                                 : Known{.bytes = std::size_t(N * N) * Encoding<T>::size, .size = N};
 };
+template <class T, int N>
+struct KnownOf<SymmetricMatrix<T, N>> : KnownOf<StateMatrix<T, N>> {};  // the file has all d x d numbers
 template <class E, std::size_t n>
 struct KnownOf<std::array<E, n>> {
     static constexpr Known value{n * known<E>().bytes, known<E>().exact, known<E>().square, known<E>().size};
