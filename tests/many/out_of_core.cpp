@@ -126,6 +126,11 @@ TEST(RowFile, TakesAnArrayOfNumPyAndRefusesEveryOther) {
     EXPECT_THAT(opening(header_of("(100, 1)") + numbers), Names("rows.npy 2 100 1"));
     EXPECT_THAT(opening(header_of("(100, -5)") + numbers), Names("rows.npy 2"));
     EXPECT_THAT(opening(header_of("(0, 5)")), Names("rows.npy no rows"));
+    for (char const version : {'\0', '\x4', '\xff'}) {
+        std::string other = good;
+        other[6] = version;
+        EXPECT_THAT(opening(other), Names("rows.npy version"));
+    }
     for (char const* shape : {"(21, 5)", "(19, 5)", "(20, 6)", "(20, 9223372036854775807)", "(9223372036854775807, 5)"})
         EXPECT_THAT(opening(header_of(shape) + numbers), Names("rows.npy 800"));
     for (size_t left : {0, 6, 8, 11, 127}) {

@@ -80,7 +80,9 @@ void RowFile::find_rows(std::optional<Index> size) {
 void RowFile::find_array(Index bytes, std::optional<Index> size) {
     unsigned char first[12] = {};
     read_bytes(reinterpret_cast<char*>(first), size_t(std::min<Index>(bytes, sizeof first)), 0);
-    Index const text = first[numpy.size()] == 1 ? 10 : 12;
+    int const version = first[numpy.size()];
+    if (version < 1 || version > 3) refuse(fmt::format("expected version 1, 2 or 3 of .npy, found {}", version));
+    Index const text = version == 1 ? 10 : 12;
     for (Index i = text; i-- > 8;) begin_ = begin_ << 8 | first[i];
     std::string header(size_t(std::min<Index>(begin_, 4096)), ' ');  // a header of ours is shorter
     begin_ += text;
