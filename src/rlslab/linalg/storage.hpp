@@ -199,7 +199,9 @@ public:
     }
     /// An expression of the d x d numbers, valid as above.
     auto view() const {
-        return Matrix<T, N>::NullaryExpr(size(), size(), [this](Index i, Index j) { return (*this)(i, j); });
+        auto entry = [this](Index i, Index j) { return (*this)(i, j); };
+        // Matrix<T, N>::NullaryExpr would be of a type that Eigen aligns as the instruction set has it.
+        return Eigen::CwiseNullaryOp<decltype(entry), Matrix<T, N>>(size(), size(), entry);
     }
 };
 /// The storage of a symmetric matrix in every arithmetic.
