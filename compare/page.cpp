@@ -57,7 +57,7 @@ std::vector<std::string> first_look(Comparison const& c) {
     return out;
 }
 
-/// What it costs to use this variant: "2.8 digits of P" less than the best of those that take single rows, each
+/// What it costs to use this variant: "2.8 digits of P" less than the best variant for single rows, each
 /// measure by itself; of the measures the worst.
 std::string loss_text(Result const& x, std::vector<Result const*> results) {
     if (!is_sound(x)) return x.obstacle.empty() ? "it breaks down" : "-";
@@ -303,8 +303,9 @@ std::string as_page(Comparison const& c) {
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
     body +=
         "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one "
-        "tenth of the counts reach. \"Costs you\": what a variant's medians are below the best of those that take single "
-        "rows and never broke down, in the measure where that is most. Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
+        "tenth of the counts reach. \"Costs you\": by how much a variant's median is below the best median of "
+        "the variants that take single rows and never broke down, in the column where that is most. Asymmetry: max |P_ij "
+        "- P_ji| / max |P_ij| of the stored P.</p>\n" +
         tables(c) + "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
     body += fmt::format(

@@ -35,7 +35,7 @@ std::span<Example const> examples() {
                 example_text("sunspots")},
         Example{"airquality",
                 "ozone on sun, wind and temperature: missing values",
-                "Chambers et al. 1983, by R",
+                "Chambers and others, by R",
                 {.output = "Ozone", .regressors = {"Solar.R", "Wind", "Temp"}, .intercept = true},
                 example_text("airquality")},
         Example{"consumption",

@@ -69,8 +69,8 @@ document.addEventListener('pointerup', event => {
   said ??= event.target.querySelector(':scope > title');
   tip.hidden = !svg || !said || said.parentElement === svg;
   const mine = tip.hidden ? null : said.closest('g.s');
-  for (const g of document.querySelectorAll('.panel g.s')) g.classList.toggle('other', !!mine && g.ownerSVGElement === svg
-    && g.dataset.s !== mine.dataset.s);
+  for (const g of document.querySelectorAll('.panel g.s'))
+    g.classList.toggle('other', !!mine && g.ownerSVGElement === svg && g.dataset.s !== mine.dataset.s);
   if (tip.hidden) return;
   tip.textContent = said.textContent;
   tip.style.left = `${Math.min(event.pageX, document.documentElement.clientWidth - tip.offsetWidth - 8)}px`;

@@ -98,7 +98,7 @@ template <int N, class T, Shape shape>
 }
 
 template <class B, class S>
-[[gnu::always_inline]] inline void start_at(S const& s, Index i0, B& w) {
+[[gnu::always_inline]] inline void begin_at(S const& s, Index i0, B& w) {
     if constexpr (S::starts == Start::column) w.load(s.w + i0);
     else if constexpr (S::starts == Start::zero) w.zero();
     else w.load(s.A + i0), w.scale(s.at(0));
@@ -121,7 +121,7 @@ template <class B, int N, class S, int... m>
     if constexpr (sizeof...(m) > 0) {
         constexpr int from = S::starts == Start::first_product;
         B w[sizeof...(m)];
-        (start_at(s, first + m * B::rows, w[m]), ...);
+        (begin_at(s, first + m * B::rows, w[m]), ...);
         if constexpr (from < N) steps_from<from, N>(s, first, w, blocks);
         if constexpr (S::starts != Start::column) (w[m].store(s.w + first + m * B::rows), ...);
     }
