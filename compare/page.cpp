@@ -304,8 +304,8 @@ std::string as_page(Comparison const& c) {
     body +=
         "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one "
         "tenth of the counts reach. \"Costs you\": by how much a variant's median is below the best median of "
-        "the variants that take single rows and never broke down, in the column where that is most. Asymmetry: max |P_ij "
-        "- P_ji| / max |P_ij| of the stored P.</p>\n" +
+        "the variants that take single rows and never broke down, in the column where that is most. Asymmetry: max "
+        "|P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
         tables(c) + "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
     body += fmt::format(
