@@ -51,34 +51,41 @@ struct Loops {
     Eigen::Map<Vector<double, N> const> theta() const { return Eigen::Map<Vector<double, N> const>(theta_); }
 };
 
+/// P itself: subtract(P, K, f) is what differs.
 template <int N>
-struct Conventional : Loops<N> {
-    static constexpr std::string_view name = "by_hand_conventional";
-    explicit Conventional(Problem<double> const& p) : Loops<N>(p, p.forgetting, p.prior->variance) {}
-    void update(Regressor<double> psi, double y) {
+struct Plain : Loops<N> {
+    explicit Plain(Problem<double> const& p) : Loops<N>(p, p.forgetting, p.prior->variance) {}
+    template <class Subtract>
+    void update_by(double const* x, double y, Subtract subtract) {
         double f[N], K[N];
-        double const *const x = psi.data(), e = this->innovation(x, y);
+        double const e = this->innovation(x, y);
         this->multiply(x, f);
         double const s = this->lambda + dot<N>(x, f);
         for (int i = 0; i < N; ++i) K[i] = f[i] / s;
-        for (int j = 0; j < N; ++j)
-            for (int i = 0; i < N; ++i) this->A[j][i] = this->divided(this->A[j][i] - K[i] * f[j]);
-        this->correct(e, f, s);
+        subtract(this->A, K, f);
+        for (int i = 0; i < N; ++i) this->theta_[i] += e * K[i];
     }
 };
 template <int N>
-struct Symmetric : Loops<N> {
-    static constexpr std::string_view name = "by_hand_symmetric";
-    explicit Symmetric(Problem<double> const& p) : Loops<N>(p, p.forgetting, p.prior->variance) {}
+struct Conventional : Plain<N> {
+    static constexpr std::string_view name = "by_hand_conventional";
+    using Plain<N>::Plain;
     void update(Regressor<double> psi, double y) {
-        double f[N], K[N];
-        double const *const x = psi.data(), e = this->innovation(x, y);
-        this->multiply(x, f);
-        double const s = this->lambda + dot<N>(x, f);
-        for (int i = 0; i < N; ++i) K[i] = f[i] / s;
-        for (int j = 0; j < N; ++j)
-            for (int i = 0; i <= j; ++i) this->A[j][i] = this->A[i][j] = this->divided(this->A[j][i] - K[i] * f[j]);
-        this->correct(e, f, s);
+        this->update_by(psi.data(), y, [this](auto& P, double const* K, double const* f) {
+            for (int j = 0; j < N; ++j)
+                for (int i = 0; i < N; ++i) P[j][i] = this->divided(P[j][i] - K[i] * f[j]);
+        });
+    }
+};
+template <int N>
+struct Symmetric : Plain<N> {
+    static constexpr std::string_view name = "by_hand_symmetric";
+    using Plain<N>::Plain;
+    void update(Regressor<double> psi, double y) {
+        this->update_by(psi.data(), y, [this](auto& P, double const* K, double const* f) {
+            for (int j = 0; j < N; ++j)
+                for (int i = 0; i <= j; ++i) P[j][i] = P[i][j] = this->divided(P[j][i] - K[i] * f[j]);
+        });
     }
 };
 template <int N>

@@ -44,14 +44,20 @@ double least_median(Result const& x) {
     return std::min({x.spread->theta.median, x.spread->worst.median, x.spread->covariance.median});
 }
 
+/// Those with digits, the most accurate first.
+std::vector<Result const*> best_first(std::vector<Result const*> results) {
+    std::erase_if(results, [](Result const* x) { return !x->spread; });
+    std::ranges::stable_sort(results, std::greater<>(), [](Result const* x) { return least_median(*x); });
+    return results;
+}
+
 /// What a reader sees first: in each arithmetic the recommended, the best and the worst variant, and the textbooks'.
 std::vector<std::string> first_look(Comparison const& c) {
     std::vector<std::string> out{"conventional", "joseph"};
-    for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> results) {
+    for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& all) {
         out.push_back(recommended_in(c, r.arithmetic));
-        std::erase_if(results, [](Result const* x) { return !x->spread; });
+        std::vector<Result const*> const results = best_first(all);
         if (results.empty()) return;
-        std::ranges::stable_sort(results, {}, [](Result const* x) { return -least_median(*x); });
         for (Result const* end : {results.front(), results.back()}) out.emplace_back(end->entry->variant);
     });
     return out;
@@ -125,10 +131,9 @@ std::string spread_words(Spread const& s) {
 /// One figure an arithmetic: the most accurate variants first.
 std::string spreads(Comparison const& c) {
     std::string out;
-    for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> results) {
-        std::string const title = "The spread of the digits in " + panel_name(c, r, results);
-        std::erase_if(results, [](Result const* x) { return !x->spread; });
-        std::ranges::stable_sort(results, std::greater<>(), [](Result const* x) { return least_median(*x); });
+    for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& all) {
+        std::string const title = "The spread of the digits in " + panel_name(c, r, all);
+        std::vector<Result const*> const results = best_first(all);
         if (results.empty()) return;
         Figure figure{.name = "spread-" + r.arithmetic, .title = title, .x = "", .y = "digits", .panels = {Panel{}}};
         figure.panels.front().y_least = least_digits;
