@@ -42,6 +42,7 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
         for (Arithmetic const& arithmetic : arithmetics()) add(arithmetic.name);
         return {words, names, list};
     }
+    if (one.name == "--vary") return {words, {"arithmetic=", "forgetting=", "order=", "prior=", "variant="}, true};
     if (one.value == "NAME" && command.get_name() == "study") {
         for (Study const* study : studies::studies()) add(study->name);
         return {words, names};

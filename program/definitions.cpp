@@ -41,10 +41,13 @@ std::vector<CLI::App const*> shown_commands(CLI::App const& app) {
 }
 
 std::string usage(CLI::App const& command) {
-    std::string out = program_name() + ' ' + (command.get_parent() ? command.get_name() : "COMMAND");
-    for (CommandOption const& one : options_of(command))
-        if (one.name.empty() || one.required) out += ' ' + one.spelling();
-    return out + " [OPTION...]";
+    std::string needed, instead;
+    for (CommandOption const& one : options_of(command)) {
+        if (one.name.empty() || one.required) needed += ' ' + one.spelling();
+        if (one.name == "--example") instead = one.spelling();
+    }
+    if (!instead.empty()) needed = fmt::format(" ({} | {})", needed.substr(1), instead);
+    return program_name() + ' ' + (command.get_parent() ? command.get_name() : "COMMAND") + needed + " [OPTION...]";
 }
 
 std::vector<Meaning> const& exit_codes() {

@@ -154,9 +154,9 @@ int study_whole(StudyArguments const& a) {
     text += listed("Not in the record:", a.known.empty() ? std::vector<std::string>{} : unrecorded(outcomes, a.known));
     if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
     text += count_lines(outcomes);
-    text += fmt::format(
-        "at most {:.2f} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
-        expected_errors(outcomes), a.out);
+    double const wrong = expected_errors(outcomes);
+    text += fmt::format("{} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
+                        wrong < 0.01 ? "less than 0.01" : fmt::format("at most {:.2f}", wrong), a.out);
     print(text);
     return changed.empty() && broken.empty() ? 0 : 1;
 }

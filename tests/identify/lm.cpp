@@ -1,10 +1,14 @@
-// identify against another program: coefficients and standard errors of R 4.2.2's lm on the examples (tests/data/lm.R).
-// The prior is so weak that it moves theta by less than the tolerances, which are units of a standard error.
+// identify, excitation and simulate against another program, R 4.2.2 (tests/data/lm.R): coefficients and standard
+// errors of its lm on the examples, singular values of its svd, outputs of its filter. For lm the prior is so weak that
+// it moves theta by less than the tolerances, which are units of a standard error.
 #include "tests/common/program.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <sstream>
 
 namespace {
 
@@ -14,11 +18,15 @@ struct Model {
     char const *example, *words;
     double most;  ///< in standard errors; longley's rows have the condition number 5e9
 };
+json const& answers_of_r() {
+    static json const all = json::parse(std::ifstream(RLSLAB_SOURCE_DIR "/tests/data/lm.json"));
+    return all;
+}
 class Lm : public Program, public testing::WithParamInterface<Model> {};
 
 TEST_P(Lm, HasTheEstimateAndTheStandardErrorsOfR) {
     auto const [example, words, most] = GetParam();
-    json const expected = json::parse(read(fs::path(root) / "tests/data/lm.json")).at(example);
+    json const expected = answers_of_r().at(example);
     Outcome const run = shell("rlslab example " + std::string(example) + " | rlslab identify - " + words +
                               " --intercept --keep-mean --validate 0 --p0 1e16 --json --no-timings");
     ASSERT_NE(run.code, 2) << run.err;
@@ -40,5 +48,51 @@ INSTANTIATE_TEST_SUITE_P(Examples, Lm,
                                          Model{"airquality", "--output Ozone --regressors Solar.R,Wind,Temp", 1e-10},
                                          Model{"longley", "--output y --regressors x1,x2,x3,x4,x5,x6", 1e-6}),
                          [](auto const& model) { return std::string(model.param.example); });
+
+struct Column {
+    char const *example, *name;
+};
+class Svd : public Program, public testing::WithParamInterface<Column> {};
+
+TEST_P(Svd, HasTheExcitationOfR) {
+    auto const [example, name] = GetParam();
+    json const expected = answers_of_r().at(name);
+    Outcome const run =
+        shell(fmt::format("rlslab example {} | rlslab excitation - --input {} --max-order 5 --json", example, name));
+    ASSERT_EQ(run.code, 0) << run.err;
+    json const orders = json::parse(run.out).at("orders");
+    ASSERT_EQ(orders.size(), 5u);
+    for (size_t n = 0; n < 5; ++n) {
+        double const least = expected.at("least")[n], condition = expected.at("condition")[n];
+        double const most = 1e-14 * condition * condition;  // of the squares, in which R has its least
+        EXPECT_NEAR(orders[n].at("least_eigenvalue").get<double>(), least, most * least) << n;
+        EXPECT_NEAR(orders[n].at("condition").get<double>(), condition, 1e-13 * condition * condition) << n;
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Columns, Svd,
+                         testing::Values(Column{"sales", "lead"}, Column{"consumption", "income"},
+                                         Column{"sunspots", "number"}, Column{"airquality", "Wind"},
+                                         Column{"longley", "x2"}),
+                         [](auto const& column) { return std::string(column.param.name); });
+
+class Filtered : public Program {};
+TEST_F(Filtered, IsASystemAsByR) {
+    int number = 0;
+    for (char const* words :
+         {"--a=-1.5,0.7 --b=1,0.5", "--a=-0.9 --b=0,2 --delay 3 --input white", "--b=1,-1,0.25 --delay 1",
+          "--a=-2.1,1.61,-0.441 --b=0.3 --input coloured:-0.9", "--a=0.2,0.9 --b=1 --delay 2 --input steps:5:40"}) {
+        Outcome const run = shell(fmt::format("rlslab simulate {} --samples 500 --seed {}", words, ++number));
+        ASSERT_EQ(run.code, 0) << run.err;
+        std::istringstream lines(run.out);
+        std::vector<double> y;
+        for (std::string line; std::getline(lines, line);)
+            if (!line.starts_with('#') && line != "u,y") y.push_back(std::stod(line.substr(line.find(',') + 1)));
+        ASSERT_EQ(y.size(), 500u) << words;
+        json const expected = answers_of_r().at(fmt::format("system_{}", number)).at("y");
+        size_t at = 0;
+        for (size_t const row : {1, 2, 3, 10, 100, 500})
+            EXPECT_NEAR(y[row - 1], expected[at++].get<double>(), 1e-12) << words << " row " << row;
+    }
+}
 
 }  // namespace

@@ -333,6 +333,7 @@ TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab study --out h"), "here ");
     EXPECT_EQ(offered("rlslab compare ok.csv --order \"\""), " ") << "a number has no names";
     EXPECT_EQ(offered("rlslab study --thr"), "--threads ");
+    EXPECT_EQ(offered("rlslab sweep ok.csv --vary f"), "forgetting= ");
 }
 TEST_F(Completion, WorksInZsh) {
     if (shell("command -v zsh").code != 0) GTEST_SKIP() << "no zsh";
