@@ -60,7 +60,7 @@ void add_state(Index size) {
     });
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     using T = double;
     for (Index const size : {4, 16, 32, 64, 128}) {
         for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Ud<T>, InverseQr<T>, Qr<T>>{},
@@ -69,8 +69,7 @@ void add_state(Index size) {
                  [size]<class F>() { add_window<F>(size); });
         for_each(TypeList<Ud<T>, Qr<T>>{}, [size]<class F>() { add_state<F>(size); });
     }
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

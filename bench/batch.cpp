@@ -43,15 +43,14 @@ void reference(benchmark::State& state, Index rows, Index size) {
     watch.finish({std::min(-std::log10(radius), 30.0), std::isfinite(radius)});
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     for_each(Variants<double>{}, []<class F>() {
         if constexpr (TakesBlocks<F> && StartsWithoutPrior<F>) add_blocks<F>();
     });
     for (unsigned threads : {1u, 2u}) add_threads(threads);
     for (Index size : {10, 20})
         add_row("reference/" + shape(100000, size), [=](benchmark::State& state) { reference(state, 100000, size); });
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

@@ -43,17 +43,16 @@ template <class T>
 void add(std::string const& arithmetic) {
     for_each(Variants<T>{}, [&]<class F>() {
         if constexpr (TakesRowsAtOnce<F>)
-            for (Index size : sizes)
+            for (Index size : choice().sizes)
                 add_row("block/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
                         [size](benchmark::State& state) { run_blocks<F>(state, size); });
     });
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add<double>("double");
     add<float>("float");
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

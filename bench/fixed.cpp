@@ -21,7 +21,7 @@ void add_by_hand() {
     add_filter_row<by_hand::Carlson<N>>("fixed", N);
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add<2>();
     add<3>();
     add<4>();
@@ -31,8 +31,7 @@ void add_by_hand() {
     add_by_hand<3>();
     add_by_hand<4>();
     add_by_hand<6>();
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

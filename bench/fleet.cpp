@@ -48,13 +48,12 @@ void add(std::string const& arithmetic, Index size) {
                 [=](benchmark::State& state) { run_fleet<F>(state, size, threads); });
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add<Ud<Pack<double, 8>, 4>>("double8", 4);
     add<Ud<Pack<float, 16>, 4>>("float16", 4);
     add<Conventional<Pack<double, 8>, 4>>("double8", 4);
     add<Conventional<Pack<float, 16>, 4>>("float16", 4);
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

@@ -13,14 +13,16 @@ void add() {
                       [](F& filter, auto const& psi, auto const& y) { rows_at_once(filter, psi, y); });
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add<Conventional<double>>();
     add<Symmetric<double>>();
     add<Ud<double>>();
     add<Carlson<double>>();
     add<InverseQr<double>>();
-    return true;
-}();
+    add_large_rows<Potter<double>>();
+    add_large_rows<Qr<double>>();
+    add_large_rows<Gentleman<double>>();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

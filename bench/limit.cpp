@@ -92,15 +92,14 @@ void read_modify_write(benchmark::State& state, Index count) {
     watch.finish(exact_or_none(sum(y.lanes(), count) - before, passes * double(count)));
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     for (Index size : {32, 64, 128, 256, 512, 1024, 2048, 4096}) {
         Index const count = size * size;
         std::string const bytes = std::to_string(count * Index(sizeof(double)));
         add_row("limit/read/" + bytes, [=](benchmark::State& state) { read(state, count); });
         add_row("limit/read_modify_write/" + bytes, [=](benchmark::State& state) { read_modify_write(state, count); });
     }
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

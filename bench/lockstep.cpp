@@ -41,18 +41,17 @@ void run_lockstep(benchmark::State& state, Index size) {
 template <class T, int L>
 void add(std::string const& arithmetic) {
     for_each(Variants<Pack<T, L>>{}, [&]<class F>() {
-        for (Index size : sizes)
+        for (Index size : choice().sizes)
             if (size <= 64)  // beyond, the squares of so many filters leave the cache
                 add_row("lockstep/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
                         [size](benchmark::State& state) { run_lockstep<F>(state, size); });
     });
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add<double, 8>("double8");
     add<float, 16>("float16");
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

@@ -15,13 +15,18 @@ namespace {
 using namespace rlslab::bench;
 
 constexpr char usage[] = R"(expected one of
-  run [OPTION...]             times the rows; options of Google Benchmark
+  run [OPTION...]             times the rows; options of Google Benchmark, and
+      --sizes 5,12            one filter at a time, of these sizes (or 4,16,64)
+      --double, --float       in these arithmetics (or in double)
+      --fixed                 variants whose size the compiler knows: 2, 3, 4, 6, 8
+      --csv FILE              the table as CSV, too
   page RUN.json PAGE.html     plots and tables of a run
   check RUN.json BASELINE     what became slower since, on this kind of machine
   record RUN.json BASELINE    makes the run the baseline of its kind of machine
   limits RUN.json BASELINE    the run's machine, those that were recorded, and how the run stands to the limits of
                               docs/speed.md
-  table RUN.json              nanoseconds at 4, 16 and 64 parameters beside dlib, as Markdown
+  table RUN.json              nanoseconds at 4 to 256 parameters beside dlib, and parameters at 48 and 16 kHz, as
+                              Markdown
   ranks [RANKS [PARAMETERS [ROWS [GROUP]]]]
                               rows a second of the ranks of an MPI job, which it starts by mpirun
                               (in builds with MPI))";
@@ -59,6 +64,7 @@ int main(int argc, char** argv) try {
         argv[1] = argv[0];
         return run_rows(argc - 1, argv + 1);
     }
+    if (verb == "--help" || verb == "help") return fmt::print("rlslab_bench: {}\n", usage), 0;
 #ifdef RLSLAB_BENCH_RANKS
     if (verb == "ranks" && argc <= 6) return run_ranks(argv);
 #endif

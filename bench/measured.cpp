@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace rlslab::bench {
@@ -75,25 +76,55 @@ std::string time_for_people(double nanoseconds) {
     return number + " " + units[unit];
 }
 
+namespace {
+
+/// Times of one name, by the number of parameters.
+using Times = std::map<double, double>;
+
+/// The most parameters whose update ends within the period: between two measured sizes a straight line in logarithms.
+std::string most_parameters(Times const& times, double period) {
+    if (times.begin()->second > period) return fmt::format("< {}", times.begin()->first);
+    for (auto next = times.begin(), at = next++; next != times.end(); at = next++) {
+        if (next->second <= period) continue;
+        double const share = std::log(period / at->second) / std::log(next->second / at->second);
+        return fmt::format("{:.0f}", std::floor(at->first * std::pow(next->first / at->first, share)));
+    }
+    return fmt::format("> {}", times.rbegin()->first);
+}
+
+}  // namespace
+
 std::string table_of_times(Run const& run) {
-    static constexpr char const* sizes[] = {"4", "16", "64"};
-    std::map<std::string, std::array<std::string, std::size(sizes)>> cells;
+    static constexpr std::array shown{4, 8, 16, 32, 64, 128, 256};
+    std::map<std::string, Times> times;
+    std::set<std::string> solving;
     std::vector<std::string> names;
     for (BenchRow const& row : run.rows) {
-        bool const ours = row.group == "update", dlib = row.group == "peer" && row.name == "dlib";
-        size_t const column = size_t(std::ranges::find(sizes, row.what) - sizes);
-        if ((!ours && !dlib) || row.arithmetic != "double" || column == std::size(sizes)) continue;
+        bool const ours = row.group == "update" || (row.group == "large" && !row.name.ends_with("_rows_known")),
+                   dlib = row.name == "dlib";
+        if ((!ours && !dlib) || row.arithmetic != "double") continue;
         std::string const name = dlib ? "dlib's `rls`" : "`" + row.name + "`";
-        if (!cells.contains(name)) names.push_back(name);
-        std::string& cell = cells[name][column] = fmt::format("{:.0f}", row.nanoseconds);
-        if (row.solves_for_theta()) cell += fmt::format(" + {:.0f}", *row.theta_nanoseconds);
+        if (!times.contains(name)) names.push_back(name);
+        times[name][row.size] = row.nanoseconds;
+        if (row.solves_for_theta()) solving.insert(name);
     }
-    if (names.empty()) throw std::runtime_error("expected rows update/VARIANT/double/4, 16 or 64 in the run");
+    if (names.empty()) throw std::runtime_error("expected rows update/VARIANT/double/SIZE in the run");
     std::ranges::stable_partition(names,
                                   [](std::string const& name) { return name.starts_with('`'); });  // dlib comes last
-    std::string out = "| ns an update, `double` | 4 parameters | 16 | 64 |\n|---|---|---|---|\n";
-    for (std::string const& name : names) out += fmt::format("| {} | {} |\n", name, fmt::join(cells[name], " | "));
-    return out + fmt::format("\n{}. After +: what `theta()` takes where it has to be solved for.\n", run.machine);
+    std::string out = fmt::format("| ns an update, `double` | {} | taps at 48 kHz | at 16 kHz |\n{}\n",
+                                  fmt::join(shown, " | "), "|---|---|---|---|---|---|---|---|---|---|");
+    for (std::string const& name : names) {
+        out += fmt::format("| {}{} |", name, solving.contains(name) ? " *" : "");
+        for (int const size : shown)
+            out += times[name].contains(size) ? fmt::format(" {:.0f} |", times[name][size]) : " |";
+        for (double const rate : {48000.0, 16000.0})
+            out += fmt::format(" {} |", most_parameters(times[name], 1e9 / rate));
+        out += '\n';
+    }
+    return out + fmt::format(
+                     "\n{}. *: without solving for theta. Taps: the most parameters whose update ends before "
+                     "the next sample, one core doing nothing else; > where larger filters were not timed.\n",
+                     run.machine);
 }
 
 }  // namespace rlslab::bench

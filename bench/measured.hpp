@@ -33,8 +33,9 @@ Run run_of(std::string const& run_json);
 /// "24 ns", "1.6 µs": three digits.
 std::string time_for_people(double nanoseconds);
 
-/// Markdown: nanoseconds an update of each variant and of dlib (where it is in the run) in double at 4, 16 and 64
-/// parameters, and the machine. Throws std::runtime_error where the run has no such row.
+/// Markdown: nanoseconds an update of each variant and of dlib (where it is in the run) in double at 4 to 256
+/// parameters, how many parameters it takes at 48 and 16 kHz, and the machine. Throws std::runtime_error where the run
+/// has no such row.
 std::string table_of_times(Run const& run);
 
 }  // namespace rlslab::bench

@@ -25,11 +25,10 @@ public:
     auto theta() const { return Eigen::Map<Vector<double> const>(&rls_.get_w()(0), rls_.get_w().size()); }
 };
 
-[[maybe_unused]] bool const added = [] {
-    for (Index size : sizes) add_filter_row<Dlib>("peer", size);
+Rows const added([] {
+    for (Index size : choice().sizes) add_filter_row<Dlib>("peer", size);
     add_large_rows<Dlib>();
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

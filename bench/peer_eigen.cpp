@@ -51,12 +51,11 @@ void add_normal_equations() {
         });
 }
 
-[[maybe_unused]] bool const added = [] {
-    for (Index size : sizes) add_filter_row<EigenTextbook>("peer", size);
+Rows const added([] {
+    for (Index size : choice().sizes) add_filter_row<EigenTextbook>("peer", size);
     add_householder();
     add_normal_equations();
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

@@ -31,15 +31,14 @@ Vector<double> solve(Data& data) {
     return theta;
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add_batch_rows(
         "peer/gsl_tsqr",
         [](Records const& records) {
             return Data{records.psi, records.y};
         },
         solve);
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

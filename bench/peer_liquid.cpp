@@ -45,10 +45,9 @@ public:
     }
 };
 
-[[maybe_unused]] bool const added = [] {
-    for (Index size : sizes) add_filter_row<Liquid>("peer", size);
-    return true;
-}();
+Rows const added([] {
+    for (Index size : choice().sizes) add_filter_row<Liquid>("peer", size);
+});
 
 }  // namespace
 }  // namespace rlslab::bench

@@ -1,6 +1,7 @@
 // How a row of the benchmarks is timed, and what it reports: the same for all groups of rows.
 #pragma once
 
+#include "bench/choice.hpp"
 #include "bench/scenario.hpp"
 #include "bench/shapes.hpp"
 
@@ -15,8 +16,19 @@
 
 namespace rlslab::bench {
 
-/// The sizes of the filters' rows.
-inline std::vector<Index> const sizes{2, 4, 8, 16, 24, 32, 64, 128, 256};
+/// A file's rows: its add() is called when the options have been read.
+class Rows {
+    static std::vector<void (*)()>& all() {
+        static std::vector<void (*)()> made;
+        return made;
+    }
+
+public:
+    explicit Rows(void (*add)()) { all().push_back(add); }
+    static void add_all() {
+        for (auto const add : all()) add();
+    }
+};
 
 /// What one row reports besides its time.
 struct Answer {
@@ -50,7 +62,7 @@ public:
 
 template <class Run>
 void add_row(std::string const& name, Run run) {
-    benchmark::RegisterBenchmark(name.c_str(), run);
+    if (choice().has(name)) benchmark::RegisterBenchmark(name.c_str(), run);
 }
 
 template <class T>
@@ -82,6 +94,30 @@ double longest_step(Index steps, Begin begin, Step step) {
         for (Index k = 0; k < steps; ++k) least[size_t(k)] = std::min(least[size_t(k)], step(k));
     }
     return std::ranges::max(least) - clock;
+}
+
+/// The times of single updates as they come, in nanoseconds, with what the machine did between them; less what the
+/// clock takes.
+struct Singles {
+    double median, p99, longest;
+    double sustained;  ///< rows a second at which 99.99 % are done before the next arrives; 0 where too few were timed
+};
+/// Of at least 100000 steps, or as many as take two seconds. Stretches of `steps` steps are restarted by begin().
+template <class Begin, class Step>
+Singles singles(Index steps, Begin begin, Step step) {
+    constexpr size_t enough = 100000;
+    double clock = std::numeric_limits<double>::infinity(), spent = 0;
+    std::vector<double> times;
+    while (times.size() < enough && spent < 2e9) {
+        begin();
+        clock = std::min(clock, nanoseconds_of([] {}));
+        for (Index k = 0; k < steps; ++k) spent += times.emplace_back(step(k));
+    }
+    std::ranges::sort(times);
+    auto const at = [&](double share) {
+        return std::max(times[size_t(share * double(times.size() - 1))] - clock, 1.0);
+    };
+    return {at(0.5), at(0.99), at(1), times.size() < enough ? 0 : 1e9 / at(0.9999)};
 }
 
 /// F, a variant, what is around one, or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are
@@ -129,11 +165,16 @@ public:
                       [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
         watch.finish({digits_, theta(filter).allFinite()});
         state.counters["ns_theta"] = nanoseconds_of_theta(filter);
-        state.counters["ns_longest"] = longest_step(
-            rows, [&] { filter = scored_; },
-            [&](Index k) {
-                return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored + k, scenario_.scored + k + 1);
-            });
+        auto const begin = [&] { filter = scored_; };
+        auto const step = [&](Index k) {
+            return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored + k, scenario_.scored + k + 1);
+        };
+        state.counters["ns_longest"] = longest_step(rows, begin, step);
+        if (choice().made) {
+            Singles const single = singles(rows, begin, step);
+            state.counters["ns_p50"] = single.median, state.counters["ns_p99"] = single.p99;
+            state.counters["ns_largest"] = single.longest, state.counters["sustained"] = single.sustained;
+        }
         state.SetLabel(family_of(filter));
     }
 };
@@ -145,7 +186,11 @@ void add_filter_row(std::string const& group, Index size, Scenario const& (*scen
     add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
             [=](benchmark::State& state) {
                 static std::map<Index, FilterRow<F>> made;
-                made.try_emplace(size, scenario(size)).first->second.run(state);
+                try {
+                    made.try_emplace(size, scenario(size)).first->second.run(state);
+                } catch (std::exception const& error) {  // of a class of somebody's own
+                    state.SkipWithError(error.what());
+                }
             });
 }
 

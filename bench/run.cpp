@@ -1,17 +1,31 @@
 // Runs the rows and prints one line for each: the time by which it is quoted, and its median if there are repetitions.
+// Where a user chose: a table for each size, with the times of single updates.
+#include "bench/choice.hpp"
+#include "bench/rows.hpp"
 #include "bench/verbs.hpp"
 
+#include <rlslab/core/files.hpp>
 #include <rlslab/linalg/isa_name.hpp>
 
-#include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <fstream>
-#include <string>
+#include <sstream>
 
 namespace rlslab::bench {
 namespace {
 
+using Run = benchmark::BenchmarkReporter::Run;
+double counter(Run const& run, char const* name) { return run.counters.at(name).value; }
+
 class OneLineEach : public benchmark::BenchmarkReporter {
+    virtual void show(Run const& run) {
+        fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter(run, "ns_per_update"),
+                   counter(run, "digits"), counter(run, "finite") != 0 ? "yes" : "no");
+        if (run.counters.contains("ns_theta"))
+            fmt::print("{:>12.1f}{:>12.1f}", counter(run, "ns_theta"), counter(run, "ns_longest"));
+        fmt::print("\n");
+    }
+
 public:
     bool ReportContext(Context const&) override {
         fmt::print("{:<44}{:>14}{:>9}{:>8}{:>12}{:>12}\n", "", "ns/update", "digits", "finite", "ns/theta", "longest");
@@ -20,15 +34,65 @@ public:
     void ReportRuns(std::vector<Run> const& runs) override {
         for (Run const& run : runs) {
             if (run.error_occurred) fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message);
-            if (run.error_occurred || (run.repetitions > 1 && run.aggregate_name != "median")) continue;
-            auto const counter = [&](char const* name) { return run.counters.at(name).value; };
-            fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter("ns_per_update"), counter("digits"),
-                       counter("finite") != 0 ? "yes" : "no");
-            if (run.counters.contains("ns_theta"))
-                fmt::print("{:>12.1f}{:>12.1f}", counter("ns_theta"), counter("ns_longest"));
-            fmt::print("\n");
+            else if (run.repetitions <= 1 || run.aggregate_name == "median") show(run);
         }
         std::fflush(stdout);
+    }
+};
+
+/// Interleaved repetitions end in any order: the tables come when all have ended.
+class ByTheSize : public OneLineEach {
+    struct Row {
+        std::string name, arithmetic;
+        Index size;
+        bool peer;
+        Run run;
+    };
+    std::string machine_;
+    std::vector<Row> rows_;
+
+    void show(Run const& run) override {
+        std::istringstream parts(run.run_name.str());
+        std::string group, name, arithmetic, size;
+        std::getline(std::getline(std::getline(std::getline(parts, group, '/'), name, '/'), arithmetic, '/'), size);
+        rows_.push_back({name, arithmetic, std::stol(size), group == "peer", run});
+    }
+    std::string csv() const {
+        std::string out = fmt::format(
+            "# {}\n# ns: one update, the least over stretches of rows; theta: solving for it, "
+            "where that is asked; p50, p99, largest: of single updates\n"
+            "parameters,arithmetic,name,ns,theta,p50,p99,largest,rows_per_second_99_99,"
+            "digits,finite\n",
+            machine_);
+        for (auto const& [name, arithmetic, size, peer, run] : rows_)
+            out += fmt::format("{},{},{},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f},{:.0f},{:.2f},{}\n", size, arithmetic, name,
+                               counter(run, "ns_per_update"), counter(run, "ns_theta"), counter(run, "ns_p50"),
+                               counter(run, "ns_p99"), counter(run, "ns_largest"), counter(run, "sustained"),
+                               counter(run, "digits"), int(counter(run, "finite")));
+        return out;
+    }
+
+public:
+    explicit ByTheSize(std::string machine) : machine_(std::move(machine)) {}
+    bool ReportContext(Context const&) override { return true; }
+    void Finalize() override {
+        std::ranges::stable_sort(rows_, {}, [](Row const& row) {
+            return std::tuple(row.size, row.peer, row.peer ? 0 : counter(row.run, "ns_per_update"));
+        });
+        fmt::print("{}\nns of one update; rows/s: at which 99.99 % are done before the next row arrives\n", machine_);
+        Index size = 0;
+        for (Row const& row : rows_) {
+            if (row.size != size)
+                fmt::print("\n{:<33}{:>8}{:>8}{:>8}{:>9}{:>9}{:>8}\n", fmt::format("{} parameters", size = row.size),
+                           "ns", "p50", "p99", "largest", "rows/s", "digits");
+            double const rate = counter(row.run, "sustained");
+            fmt::print("  {:<31}{:>8.0f}{:>8.0f}{:>8.0f}{:>9.0f}{:>9}{:>8}\n",
+                       row.name + (row.arithmetic == "float" ? ", float" : ""), counter(row.run, "ns_per_update"),
+                       counter(row.run, "ns_p50"), counter(row.run, "ns_p99"), counter(row.run, "ns_largest"),
+                       rate == 0 ? "-" : fmt::format("{:.2g}", rate),
+                       counter(row.run, "finite") != 0 ? fmt::format("{:.1f}", counter(row.run, "digits")) : "broke");
+        }
+        if (!choice().csv.empty()) replace_file(choice().csv, csv());
     }
 };
 
@@ -44,18 +108,27 @@ std::string processor(std::string const& key) {
 }  // namespace
 
 int run_rows(int argc, char** argv) {
+    take_choice(argc, argv);
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    Rows::add_all();
     // The name alone is that of several generations.
-    benchmark::AddCustomContext("cpu", fmt::format("{} (family {}, model {})", processor("model name"),
-                                                   processor("cpu family"), processor("model")));
-    benchmark::AddCustomContext("instructions", name_of(kernels::isa));
-    benchmark::AddCustomContext("compiler", "g++ " __VERSION__);
-    // With JSON or CSV, standard output has nothing else; otherwise it has one line for each row.
+    std::string const cpu = fmt::format("{} (family {}, model {})", processor("model name"), processor("cpu family"),
+                                        processor("model")),
+                      instructions(name_of(kernels::isa)), compiler = "g++ " __VERSION__;
+    benchmark::AddCustomContext("cpu", cpu);
+    benchmark::AddCustomContext("instructions", instructions);
+    benchmark::AddCustomContext("compiler", compiler);
+    // With JSON or CSV, standard output has nothing else; otherwise it has one line for each row, or the tables.
     benchmark::BenchmarkReporter* const chosen = benchmark::CreateDefaultDisplayReporter();
     OneLineEach lines;
+    ByTheSize tables(fmt::format("{}, {}, {}", cpu, instructions, compiler));
     bool const for_people = dynamic_cast<benchmark::ConsoleReporter*>(chosen) != nullptr;
-    benchmark::RunSpecifiedBenchmarks(for_people ? &lines : chosen);
+    if (choice().made && !for_people && !choice().csv.empty())
+        throw std::runtime_error("--csv: does not go with --benchmark_format");
+    benchmark::BenchmarkReporter* const ours = choice().made ? static_cast<OneLineEach*>(&tables) : &lines;
+    if (benchmark::RunSpecifiedBenchmarks(for_people ? ours : chosen) == 0 && choice().made)
+        throw std::runtime_error("no row has these sizes, arithmetic and filter");
     return 0;
 }
 

@@ -22,11 +22,10 @@ void add() {
         });
 }
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     add<CholeskySparse>();
     add<QrSparse>();
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

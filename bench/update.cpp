@@ -6,12 +6,11 @@
 namespace rlslab::bench {
 namespace {
 
-[[maybe_unused]] bool const added = [] {
+Rows const added([] {
     for_each(Variants<RLSLAB_BENCH_SCALAR>{}, []<class F>() {
-        for (Index size : sizes) add_filter_row<F>("update", size);
+        for (Index size : choice().sizes) add_filter_row<F>("update", size);
     });
-    return true;
-}();
+});
 
 }  // namespace
 }  // namespace rlslab::bench

@@ -7,6 +7,7 @@
 #   core      the compiled reference, multiprecision, data files
 #   catalogue every variant in every arithmetic by name, compiled
 #   studies   the engine of studies, for studies of one's own
+#   bench     rlslab_bench, and the sources of rlslab_add_bench, which times a class of one's own
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
 #   python    the Python package (python/CMakeLists.txt)
@@ -32,6 +33,15 @@ if(TARGET rlslab_program)
   install(FILES ${written}/rlslab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rlslab
     COMPONENT program OPTIONAL)
   install(FILES ${written}/_rlslab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program OPTIONAL)
+endif()
+
+if(TARGET rlslab_bench)
+  install(TARGETS rlslab_bench DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT bench)
+  install(FILES ${PROJECT_SOURCE_DIR}/bench/add_bench.cmake DESTINATION ${package_dir} COMPONENT bench)
+  foreach(file own_main.cpp run.cpp choice.cpp choice.hpp scenario.cpp scenario.hpp update.cpp rows.hpp shapes.hpp
+      verbs.hpp measured.hpp peer_eigen.cpp peer_mine.cpp)
+    install(FILES ${PROJECT_SOURCE_DIR}/bench/${file} DESTINATION ${package_dir}/bench COMPONENT bench)
+  endforeach()
 endif()
 
 set(components headers)

@@ -1,5 +1,5 @@
-# Debian packages, by `./lab package` or cpack: rlslab (the program), librlslab1 (for programs that call C),
-# librlslab-dev (headers, core, what finds them) and python3-rlslab.
+# Debian packages, by `./lab package` or cpack: rlslab (the program), rlslab-bench (the benchmarks), librlslab1 (for
+# programs that call C), librlslab-dev (headers, core, what finds them) and python3-rlslab.
 set(CPACK_PACKAGE_NAME rlslab)
 set(CPACK_PACKAGE_VENDOR "the rlslab authors")
 set(RLSLAB_MAINTAINER "the rlslab authors <rlslab@localhost>" CACHE STRING
@@ -24,6 +24,10 @@ if(TARGET rlslab_program)
   set(CPACK_COMPONENT_PROGRAM_GROUP app)
 endif()
 
+if(TARGET rlslab_bench)
+  list(APPEND CPACK_COMPONENTS_ALL bench)
+  set(CPACK_COMPONENT_BENCH_GROUP bench)
+endif()
 if(TARGET rlslab_c)
   get_target_property(abi rlslab_c SOVERSION)
   set(librlslab librlslab${abi})
@@ -43,6 +47,13 @@ set(CPACK_DEBIAN_APP_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_APP_DESCRIPTION "The program compares the variants of recursive least squares on a record,
 in arithmetics from bfloat16 to 257 bits, against a certified reference;
 identifies ARX models; and runs the studies that its claims rest on.")
+
+set(CPACK_DEBIAN_BENCH_PACKAGE_NAME rlslab-bench)
+set(CPACK_DEBIAN_BENCH_PACKAGE_SECTION math)
+set(CPACK_DEBIAN_BENCH_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_BENCH_PACKAGE_SUGGESTS "librlslab-dev (= ${PROJECT_VERSION}), libbenchmark-dev")
+set(CPACK_DEBIAN_BENCH_DESCRIPTION "Times an update of every variant of recursive least squares at any size, with
+the digits of its answer, and a class of one's own beside them.")
 
 set(CPACK_DEBIAN_SHARED_PACKAGE_NAME "${librlslab}")
 set(CPACK_DEBIAN_SHARED_PACKAGE_SECTION libs)
@@ -94,8 +105,8 @@ file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 set(linked_with "")
 if(TARGET rlslab_sparse)
   set(linked_with "
-/usr/bin/rlslab links SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU General Public License,
-version 2 or later (on Debian /usr/share/common-licenses/GPL-2). That program as a whole may be passed on under that
+/usr/bin/rlslab and /usr/bin/rlslab_bench link SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU General Public License,
+version 2 or later (on Debian /usr/share/common-licenses/GPL-2). Each as a whole may be passed on under that
 licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends on them.
 ")
 endif()
@@ -107,7 +118,7 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/changelog @ONLY CONTENT "rlslab (@PR
 
  -- @RLSLAB_MAINTAINER@  @today@
 ")
-foreach(package "program;rlslab" "headers;librlslab-dev" "library;${librlslab}" "python;python3-rlslab")
+foreach(package "program;rlslab" "bench;rlslab-bench" "headers;librlslab-dev" "library;${librlslab}" "python;python3-rlslab")
   list(GET package 0 component)
   list(GET package 1 name)
   if(component IN_LIST CPACK_COMPONENTS_ALL)

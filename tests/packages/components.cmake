@@ -4,7 +4,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/all)
 file(GLOB_RECURSE whole RELATIVE ${WORK_DIR}/all ${WORK_DIR}/all/*)
 set(parts "")
-foreach(component headers kernels native library c core catalogue studies sparse program python)
+foreach(component headers kernels native library c core catalogue studies bench sparse program python)
   execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/${component} --component
       ${component})
   file(GLOB_RECURSE ${component} RELATIVE ${WORK_DIR}/${component} ${WORK_DIR}/${component}/*)
@@ -24,6 +24,9 @@ expect("${studies}" "include/rlslab/studies/study_main.hpp.*formulas.lua.*librls
 expect_not("${kernels};${native};${core};${catalogue};${sparse};${program}" "[^;]*\\.hpp"
   "a header outside of the headers")
 expect("${program}" "bin/rlslab" "program")
+if(bench)
+  expect("${bench}" "bin/rlslab_bench;.*bench/peer_mine.cpp" "bench")
+endif()
 list(SORT whole)
 list(SORT parts)
 if(NOT whole STREQUAL parts)

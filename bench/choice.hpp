@@ -1,0 +1,35 @@
+// Which rows a user of the benchmarks asked for, by options of ours beside those of Google Benchmark.
+#pragma once
+
+#include <rlslab/core/problem.hpp>
+
+#include <string>
+#include <vector>
+
+namespace rlslab::bench {
+
+/// Without an option of ours every row is there. With one, the rows are those of one filter at a time, at these sizes:
+/// the variants in the arithmetics that are named, the peers, and the user's own class.
+struct Choice {
+    bool made = false;  ///< one of our options was given; single updates are timed, too
+    std::vector<Index> sizes{2, 4, 8, 16, 24, 32, 64, 128, 256};
+    bool in_double = false, in_float = false, fixed = false;
+    std::string csv;  ///< a file; none where it is empty
+
+    /// Whether the row is asked for; its name is GROUP/NAME/ARITHMETIC/SIZE or shorter.
+    bool has(std::string const& row) const;
+};
+
+/// That of this run of the program.
+Choice& choice();
+
+/// Takes our options out of argv:
+///   --sizes LIST    parameters, whole numbers from 1 to 512 (4,16,64)
+///   --double, --float  the variants' arithmetics (double)
+///   --fixed         the variants whose size the compiler knows, in double, at --sizes of 2, 3, 4, 6, 8 (all of these)
+///   --mine          nothing more than the choice: the class of one's own is compiled in
+///   --csv FILE      the table as CSV, too
+/// Throws std::runtime_error, with a line for people, for a value that cannot be used.
+void take_choice(int& argc, char** argv);
+
+}  // namespace rlslab::bench
