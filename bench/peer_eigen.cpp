@@ -1,5 +1,5 @@
-// What people write with Eigen: peer/eigen_textbook/double/SIZE, peer/eigen_householder/ROWSxSIZE, and the normal
-// equations, peer/normal_equations/ROWSxSIZE.
+// What people write with Eigen: peer/eigen_textbook/double/SIZE, fixed/eigen_textbook/double/SIZE,
+// peer/eigen_householder/ROWSxSIZE, and the normal equations, peer/normal_equations/ROWSxSIZE.
 #include "bench/rows.hpp"
 
 #include <Eigen/Dense>
@@ -9,25 +9,28 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
+template <int N>
 class EigenTextbook {
+    using Vec = Eigen::Matrix<double, N, 1>;
+    using Mat = Eigen::Matrix<double, N, N>;
     double lambda_;
-    VectorXd theta_;
-    MatrixXd P_;
+    Vec theta_;
+    Mat P_;
 
 public:
     using scalar = double;
     static constexpr std::string_view name = "eigen_textbook";
 
     explicit EigenTextbook(Problem<double> const& problem)
-        : lambda_(problem.forgetting), theta_(VectorXd::Zero(problem.size)),
-          P_(problem.prior->variance * MatrixXd::Identity(problem.size, problem.size)) {}
+        : lambda_(problem.forgetting), theta_(Vec::Zero(problem.size)),
+          P_(problem.prior->variance * Mat::Identity(problem.size, problem.size)) {}
     void update(Regressor<double> row, double y) {
-        Eigen::Map<VectorXd const> const psi(row.data(), row.size());
-        VectorXd const K = P_ * psi / (lambda_ + psi.dot(P_ * psi));
+        Eigen::Map<Vec const> const psi(row.data(), row.size());
+        Vec const K = P_ * psi / (lambda_ + psi.dot(P_ * psi));
         theta_ += K * (y - psi.dot(theta_));
         P_ = (P_ - K * psi.transpose() * P_) / lambda_;  // (K psi') P: cubic, as it stands in many a repository
     }
-    VectorXd const& theta() const { return theta_; }
+    Vec const& theta() const { return theta_; }
 };
 
 /// In place, on a tall matrix by columns: the fastest it offers. What is destroyed is copied outside the time.
@@ -52,7 +55,12 @@ void add_normal_equations() {
 }
 
 Rows const added([] {
-    for (Index size : choice().sizes) add_filter_row<EigenTextbook>("peer", size);
+    for (Index size : choice().sizes) add_filter_row<EigenTextbook<Dynamic>>("peer", size);
+    add_filter_row<EigenTextbook<2>>("fixed", 2);
+    add_filter_row<EigenTextbook<3>>("fixed", 3);
+    add_filter_row<EigenTextbook<4>>("fixed", 4);
+    add_filter_row<EigenTextbook<6>>("fixed", 6);
+    add_filter_row<EigenTextbook<8>>("fixed", 8);
     add_householder();
     add_normal_equations();
 });
