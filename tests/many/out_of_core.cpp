@@ -121,7 +121,8 @@ TEST(RowFile, TakesAnArrayOfNumPyAndRefusesEveryOther) {
     EXPECT_THAT(opening(header_of("(20, 5)", "<f4") + numbers), Names("rows.npy float64 <f4"));
     EXPECT_THAT(opening(header_of("(20, 5)", ">f8") + numbers), Names("rows.npy order >f8"));
     EXPECT_THAT(opening(header_of("(20, 5)", "<f8", "True") + numbers), Names("rows.npy C 'fortran_order': True"));
-    for (char const* shape : {"(100,)", "(5, 4, 5)", "()", "(20, -)", "(99999999999999999999, 5)"})
+    for (char const* shape :
+         {"(100,)", "(5, 4, 5)", "()", "(20, -)", "(99999999999999999999, 5)", "(2 0, 5)", "(20, 5), 'shape': (20, 5)"})
         EXPECT_THAT(opening(header_of(shape) + numbers), Names("rows.npy two"));
     EXPECT_THAT(opening(header_of("(100, 1)") + numbers), Names("rows.npy 2 100 1"));
     EXPECT_THAT(opening(header_of("(100, -5)") + numbers), Names("rows.npy 2"));

@@ -23,7 +23,14 @@ constexpr std::string_view type = std::endian::native == std::endian::little ? "
 /// Rows and columns of an array, from the header of its .npy file; nothing unless it is of binary64 numbers, row by
 /// row, with two dimensions.
 std::optional<std::pair<Index, Index>> shape_of(std::string header) {
+    auto const digit = [](char c) { return c >= '0' && c <= '9'; };
+    for (size_t i = 1, j; (i = header.find(' ', i)) != header.npos; i = j) {  // "1 2" is not 12
+        j = std::min(header.find_first_not_of(' ', i), header.size());
+        if (digit(header[i - 1]) && j < header.size() && digit(header[j])) return std::nullopt;
+    }
     std::erase(header, ' ');
+    for (char const* name : {"'descr':", "'fortran_order':", "'shape':"})
+        if (header.find(name) != header.rfind(name)) return std::nullopt;  // Python takes the last, a reader the first
     constexpr std::string_view key = "'shape':(";
     size_t const at = header.find(key);
     if (header.find(type) == header.npos || header.find("'fortran_order':False") == header.npos || at == header.npos)
