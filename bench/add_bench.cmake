@@ -1,8 +1,6 @@
 # rlslab_add_bench(NAME FILE): a program that times the class Mine in FILE beside the variants (docs/bench.md). In an
 # installation; in the tree, ./lab bench --mine FILE. What Mine needs to be linked with is added to NAME as usual.
 function(rlslab_add_bench name file)
-  find_package(benchmark 1.7 REQUIRED CONFIG)
-  find_package(fmt 9 REQUIRED CONFIG)
   set(from ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/bench)
   get_filename_component(file ${file} ABSOLUTE)
   foreach(scalar double float)

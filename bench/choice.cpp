@@ -57,9 +57,10 @@ void take_choice(int& argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         std::string const word = argv[i], name = word.substr(0, word.find('='));
         auto const value = [&]() -> std::string {
-            if (name != word) return word.substr(name.size() + 1);
-            if (i + 1 == argc) throw std::runtime_error(fmt::format("{}: expected a value", name));
-            return argv[++i];
+            std::string const given = name != word ? word.substr(name.size() + 1) : i + 1 < argc ? argv[++i] : "";
+            if (given.empty() || given.starts_with("--"))
+                throw std::runtime_error(fmt::format("{}: expected a value", name));
+            return given;
         };
         if (name == "--sizes") sizes = sizes_in(value());
         else if (name == "--csv") out.csv = value();

@@ -16,7 +16,7 @@ struct Choice {
     bool in_double = false, in_float = false, fixed = false;
     std::string csv;  ///< a file; none where it is empty
 
-    /// Whether the row is asked for; its name is GROUP/NAME/ARITHMETIC/SIZE or shorter.
+    /// Whether the row is among them; its name is GROUP/NAME/ARITHMETIC/SIZE or shorter.
     bool has(std::string const& row) const;
 };
 

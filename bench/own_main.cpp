@@ -8,7 +8,8 @@
 int main(int argc, char** argv) try {
     std::vector<char*> words(argv, argv + argc);
     char mine[] = "--mine";
-    words.insert(words.end(), {mine, nullptr});
+    words.insert(words.begin() + (argc > 0), mine);
+    words.push_back(nullptr);
     return rlslab::bench::run_rows(argc + 1, words.data());
 } catch (std::exception const& error) {
     std::fprintf(stderr, "%s: %s\n", argv[0], error.what());

@@ -1,4 +1,4 @@
-// What people write with Eigen: peer/eigen_textbook/double/SIZE, fixed/eigen_textbook/double/SIZE,
+// What people write with Eigen: peer/eigen_textbook/double/SIZE, fixed/eigen_textbook_fixed/double/SIZE,
 // peer/eigen_householder/ROWSxSIZE, and the normal equations, peer/normal_equations/ROWSxSIZE.
 #include "bench/rows.hpp"
 
@@ -19,7 +19,7 @@ class EigenTextbook {
 
 public:
     using scalar = double;
-    static constexpr std::string_view name = "eigen_textbook";
+    static constexpr std::string_view name = N == Dynamic ? "eigen_textbook" : "eigen_textbook_fixed";
 
     explicit EigenTextbook(Problem<double> const& problem)
         : lambda_(problem.forgetting), theta_(Vec::Zero(problem.size)),

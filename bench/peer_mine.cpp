@@ -1,14 +1,16 @@
 // peer/NAME/ARITHMETIC/SIZE: the class Mine of the user's file RLSLAB_BENCH_MINE, which needs no header of ours.
-#include RLSLAB_BENCH_MINE
-
 #include "bench/rows.hpp"
+
+#include <span>
+
+#include RLSLAB_BENCH_MINE
 
 namespace rlslab::bench {
 namespace {
 
 template <class F>
-constexpr std::string_view name_of_class() {
-    if constexpr (requires { F::name; }) return F::name;
+consteval std::string_view name_of_class() {
+    if constexpr (requires { std::string_view(F::name); }) return F::name;
     else return "mine";
 }
 template <class F>
@@ -21,8 +23,8 @@ struct ScalarOf<F> {
     using type = typename F::scalar;
 };
 
-/// Mine(size, lambda, p0) or Mine(Problem); update(psi, y) of a pointer to the row or of a row; theta() is a pointer,
-/// or has data() and size().
+/// Mine(size, lambda, p0) or Mine(Problem); update(psi, y) of a pointer to the row, a span, a vector of Eigen or a row
+/// of rlslab; theta() has numbers by [i]. Copies are independent.
 template <class Mine>
 class Own {
 public:
@@ -31,8 +33,11 @@ public:
 
 private:
     static_assert(std::same_as<scalar, double> || std::same_as<scalar, float>, "Mine::scalar is double or float");
+    static_assert(!name.empty() && name.size() <= 22 && name.find_first_of("/,\" \n") == name.npos,
+                  "Mine::name has 1 to 22 characters, no space, comma, quote or slash");
+    static_assert(std::copy_constructible<Mine>, "Mine is copied: each repetition starts from the same state");
     Index size_;
-    mutable Mine mine_;  // for a theta() that is not const
+    mutable std::optional<Mine> mine_;  // for a theta() that is not const
 
     static Mine made(Problem<scalar> const& problem) {
         if constexpr (std::constructible_from<Mine, Problem<scalar> const&>) return Mine(problem);
@@ -41,18 +46,28 @@ private:
 
 public:
     explicit Own(Problem<scalar> const& problem) : size_(problem.size), mine_(made(problem)) {}
+    Own(Own const&) = default;
+    Own& operator=(Own const& other) {
+        if constexpr (std::is_copy_assignable_v<Mine>) *mine_ = *other.mine_;
+        else mine_.emplace(*other.mine_);
+        return *this;
+    }
     void update(Regressor<scalar> psi, scalar y) {
-        if constexpr (requires { mine_.update(psi.data(), y); }) mine_.update(psi.data(), y);
-        else mine_.update(psi, y);
+        using Row = Eigen::Map<Vector<scalar> const>;
+        using Span = std::span<scalar const>;
+        if constexpr (requires(scalar const* row) { mine_->update(row, y); }) mine_->update(psi.data(), y);
+        else if constexpr (requires(Row row) { mine_->update(row, y); }) mine_->update(Row(psi.data(), psi.size()), y);
+        else if constexpr (requires(Span row) { mine_->update(row, y); }) mine_->update(Span(psi.data(), size_), y);
+        else if constexpr (requires { mine_->update(psi, y); }) mine_->update(psi, y);
+        else static_assert(sizeof(Mine) == 0, "Mine has no update(scalar const* psi, scalar y)");
     }
     Vector<scalar> theta() const {
-        auto const& theta = mine_.theta();
-        scalar const* numbers;
-        if constexpr (requires { theta.data(); }) {
+        auto const& theta = mine_->theta();
+        if constexpr (requires { theta.size(); })
             if (Index(theta.size()) != size_) throw std::runtime_error("theta() of Mine has another size");
-            numbers = theta.data();
-        } else numbers = &theta[0];
-        return Eigen::Map<Vector<scalar> const>(numbers, size_);
+        Vector<scalar> out(size_);
+        for (Index i = 0; i < size_; ++i) out[i] = scalar(theta[i]);
+        return out;
     }
 };
 

@@ -7,6 +7,8 @@
 #include <rlslab/core/files.hpp>
 #include <rlslab/linalg/isa_name.hpp>
 
+#include <csignal>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <sstream>
@@ -18,6 +20,8 @@ using Run = benchmark::BenchmarkReporter::Run;
 double counter(Run const& run, char const* name) { return run.counters.at(name).value; }
 
 class OneLineEach : public benchmark::BenchmarkReporter {
+    bool failed_ = false;
+
     virtual void show(Run const& run) {
         fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter(run, "ns_per_update"),
                    counter(run, "digits"), counter(run, "finite") != 0 ? "yes" : "no");
@@ -33,11 +37,14 @@ public:
     }
     void ReportRuns(std::vector<Run> const& runs) override {
         for (Run const& run : runs) {
-            if (run.error_occurred) fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message);
-            else if (run.repetitions <= 1 || run.aggregate_name == "median") show(run);
+            if (run.error_occurred) {
+                failed_ = true;
+                fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message);
+            } else if (run.repetitions <= 1 || run.aggregate_name == "median") show(run);
         }
         std::fflush(stdout);
     }
+    bool failed() const { return failed_; }
 };
 
 /// Interleaved repetitions end in any order: the tables come when all have ended.
@@ -57,6 +64,15 @@ class ByTheSize : public OneLineEach {
         std::getline(std::getline(std::getline(std::getline(parts, group, '/'), name, '/'), arithmetic, '/'), size);
         rows_.push_back({name, arithmetic, std::stol(size), group == "peer", run});
     }
+
+    /// Rows a second, or `none` where too few were timed.
+    static std::string rate(Run const& run, char const* format, char const* none) {
+        double const rows = counter(run, "sustained");
+        return rows == 0 ? none : fmt::format(fmt::runtime(format), rows);
+    }
+
+public:
+    explicit ByTheSize(std::string machine) : machine_(std::move(machine)) {}
     std::string csv() const {
         std::string out = fmt::format(
             "# {}\n# ns: one update, the least over stretches of rows; theta: solving for it, "
@@ -65,15 +81,13 @@ class ByTheSize : public OneLineEach {
             "digits,finite\n",
             machine_);
         for (auto const& [name, arithmetic, size, peer, run] : rows_)
-            out += fmt::format("{},{},{},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f},{:.0f},{:.2f},{}\n", size, arithmetic, name,
+            out += fmt::format("{},{},{},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f},{},{:.2f},{}\n", size, arithmetic, name,
                                counter(run, "ns_per_update"), counter(run, "ns_theta"), counter(run, "ns_p50"),
-                               counter(run, "ns_p99"), counter(run, "ns_largest"), counter(run, "sustained"),
+                               counter(run, "ns_p99"), counter(run, "ns_largest"), rate(run, "{:.0f}", ""),
                                counter(run, "digits"), int(counter(run, "finite")));
         return out;
     }
 
-public:
-    explicit ByTheSize(std::string machine) : machine_(std::move(machine)) {}
     bool ReportContext(Context const&) override { return true; }
     void Finalize() override {
         std::ranges::stable_sort(rows_, {}, [](Row const& row) {
@@ -83,16 +97,14 @@ public:
         Index size = 0;
         for (Row const& row : rows_) {
             if (row.size != size)
-                fmt::print("\n{:<33}{:>8}{:>8}{:>8}{:>9}{:>9}{:>8}\n", fmt::format("{} parameters", size = row.size),
+                fmt::print("\n{:<31}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", fmt::format("{} parameters", size = row.size),
                            "ns", "p50", "p99", "largest", "rows/s", "digits");
-            double const rate = counter(row.run, "sustained");
-            fmt::print("  {:<31}{:>8.0f}{:>8.0f}{:>8.0f}{:>9.0f}{:>9}{:>8}\n",
+            fmt::print("  {:<29}{:>8.0f}{:>8.0f}{:>8.0f}{:>9.0f}{:>8}{:>8}\n",
                        row.name + (row.arithmetic == "float" ? ", float" : ""), counter(row.run, "ns_per_update"),
                        counter(row.run, "ns_p50"), counter(row.run, "ns_p99"), counter(row.run, "ns_largest"),
-                       rate == 0 ? "-" : fmt::format("{:.2g}", rate),
+                       rate(row.run, "{:.1g}", "-"),
                        counter(row.run, "finite") != 0 ? fmt::format("{:.1f}", counter(row.run, "digits")) : "broke");
         }
-        if (!choice().csv.empty()) replace_file(choice().csv, csv());
     }
 };
 
@@ -108,7 +120,13 @@ std::string processor(std::string const& key) {
 }  // namespace
 
 int run_rows(int argc, char** argv) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
     take_choice(argc, argv);
+    if (std::string const& csv = choice().csv; !csv.empty()) {  // before minutes are spent
+        std::filesystem::path const path(csv), folder = path.parent_path();
+        if (std::filesystem::is_directory(path) || (!folder.empty() && !std::filesystem::is_directory(folder)))
+            throw std::runtime_error(fmt::format("--csv {}: cannot be written", csv));
+    }
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     Rows::add_all();
@@ -126,10 +144,12 @@ int run_rows(int argc, char** argv) {
     bool const for_people = dynamic_cast<benchmark::ConsoleReporter*>(chosen) != nullptr;
     if (choice().made && !for_people && !choice().csv.empty())
         throw std::runtime_error("--csv: does not go with --benchmark_format");
-    benchmark::BenchmarkReporter* const ours = choice().made ? static_cast<OneLineEach*>(&tables) : &lines;
-    if (benchmark::RunSpecifiedBenchmarks(for_people ? ours : chosen) == 0 && choice().made)
+    OneLineEach& ours = choice().made ? static_cast<OneLineEach&>(tables) : lines;
+    if (benchmark::RunSpecifiedBenchmarks(for_people ? &ours : chosen) == 0 && choice().made)
         throw std::runtime_error("no row has these sizes, arithmetic and filter");
-    return 0;
+    if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw std::runtime_error("standard output: cannot be written");
+    if (!choice().csv.empty()) replace_file(choice().csv, tables.csv());
+    return ours.failed() ? 2 : 0;
 }
 
 }  // namespace rlslab::bench

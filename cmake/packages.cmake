@@ -105,9 +105,16 @@ file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 set(linked_with "")
 if(TARGET rlslab_sparse)
   set(linked_with "
-/usr/bin/rlslab and /usr/bin/rlslab_bench link SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU General Public License,
-version 2 or later (on Debian /usr/share/common-licenses/GPL-2). Each as a whole may be passed on under that
-licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends on them.
+/usr/bin/rlslab and /usr/bin/rlslab_bench link SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU
+General Public License, version 2 or later (on Debian /usr/share/common-licenses/GPL-2). Each as a whole may be passed
+on under that licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends
+on them.
+")
+endif()
+if(TARGET rlslab_bench AND GSL_LIBRARY)
+  string(APPEND linked_with "
+/usr/bin/rlslab_bench links the GNU Scientific Library, which is under the GNU General Public License, version 3 or
+later (on Debian /usr/share/common-licenses/GPL-3). That program as a whole may be passed on under that licence alone.
 ")
 endif()
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/copyright @ONLY CONTENT "rlslab\n\n@licence@@linked_with@")
@@ -118,7 +125,8 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/changelog @ONLY CONTENT "rlslab (@PR
 
  -- @RLSLAB_MAINTAINER@  @today@
 ")
-foreach(package "program;rlslab" "bench;rlslab-bench" "headers;librlslab-dev" "library;${librlslab}" "python;python3-rlslab")
+foreach(package "program;rlslab" "bench;rlslab-bench" "headers;librlslab-dev" "library;${librlslab}"
+    "python;python3-rlslab")
   list(GET package 0 component)
   list(GET package 1 name)
   if(component IN_LIST CPACK_COMPONENTS_ALL)

@@ -1,4 +1,4 @@
-// The update that one writes in an afternoon. A file for the benchmarks has a class Mine and includes nothing of rlslab.
+// The update that one writes in an afternoon. A file for the benchmarks has a class Mine and needs nothing of rlslab.
 #include <vector>
 
 class Mine {

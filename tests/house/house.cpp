@@ -133,6 +133,7 @@ std::vector<Folder> const house{
     {"examples/many_sensors", {"src/rlslab/many", "variants"}},
     {"examples/chosen_at_run_time", {"catalogue/native"}},
     {"examples/own_study", {"studies/engine"}},
+    {"examples/own_bench", {}},
     {"examples/microcontroller", {"src/rlslab/many", "variants"}},
     {"examples/microcontroller/board", {}},
     {"tests/python", {"variants"}},

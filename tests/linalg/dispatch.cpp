@@ -61,7 +61,7 @@ TEST(Dispatch, OnePassStaysFasterOnAWiderSet) {
 TEST(Dispatch, UsesNoSetThatTheMachineLacks) {
     EXPECT_LE(kernels::isa, best_isa());
     char const* const asked = std::getenv("RLSLAB_TEST_ISA");
-    EXPECT_EQ(name_of(kernels::isa), asked ? asked : name_of(best_isa()));
+    EXPECT_STREQ(name_of(kernels::isa), asked ? asked : name_of(best_isa()));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes docs/types.md from the headers: a table for each public type, its fields with defaults or its members.
 
-python3 docs/types.py          writes it
-python3 docs/types.py --check  says what differs, and which public type of adapt/ or many/ is in no list
+python3 docs/type_tables.py          writes it
+python3 docs/type_tables.py --check  says what differs, and which public type of adapt/ or many/ is in no list
 """
 import pathlib
 import re
@@ -121,7 +121,7 @@ def table(header, name):
     source = (root / header).read_text()
     found = re.search(rf"^(?P<kind>struct|class|enum class) {name}\b[^;{{]*\{{", source, re.M)
     if not found:
-        raise SystemExit(f"docs/types.py: no {name} in {header}")
+        raise SystemExit(f"docs/type_tables.py: no {name} in {header}")
     above = source[:found.start()].rstrip("\n").split("\n")
     while above and not above[-1].startswith("///"):  # template <...> requires ...
         if not above[-1].strip() or above[-1].startswith("}"):
@@ -154,7 +154,7 @@ def table(header, name):
 
 def made():
     out = ["# The types, from their headers", "",
-           "Written by `docs/types.py`; what a header says stands here word for word. How they go together:",
+           "Written by `docs/type_tables.py`; what a header says stands here word for word. How they go together:",
            "[library.md](library.md). `T` is the filter's scalar, `F` a filter, d its number of parameters.", ""]
     for heading, headers in sections:
         out += [f"## {heading}", ""]
@@ -178,8 +178,8 @@ def forgotten():
 if __name__ == "__main__":
     text = made()
     if sys.argv[1:] == ["--check"]:
-        wrong = [f"docs/types.py lists no {name}" for name in forgotten()]
+        wrong = [f"docs/type_tables.py lists no {name}" for name in forgotten()]
         if page.read_text() != text:
-            wrong.append("docs/types.md is not what python3 docs/types.py writes")
+            wrong.append("docs/types.md is not what python3 docs/type_tables.py writes")
         sys.exit("\n".join(wrong) if wrong else 0)
     page.write_text(text)
