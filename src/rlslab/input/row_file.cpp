@@ -87,6 +87,7 @@ void RowFile::find_rows(std::optional<Index> size) {
 void RowFile::find_array(Index bytes, std::optional<Index> size) {
     unsigned char first[12] = {};
     read_bytes(reinterpret_cast<char*>(first), size_t(std::min<Index>(bytes, sizeof first)), 0);
+    if (bytes < 10) refuse("ends within its header");
     int const version = first[numpy.size()];
     if (version < 1 || version > 3) refuse(fmt::format("expected version 1, 2 or 3 of .npy, found {}", version));
     Index const text = version == 1 ? 10 : 12;
