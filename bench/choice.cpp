@@ -12,13 +12,6 @@ namespace {
 
 constexpr Index largest = 512;  // certifying the scenario of 512 parameters takes a minute
 
-std::vector<std::string> split(std::string const& text, char at) {
-    std::vector<std::string> out;
-    std::istringstream in(text + at);
-    for (std::string part; std::getline(in, part, at);) out.push_back(part);
-    return out;
-}
-
 std::vector<Index> sizes_in(std::string const& list) {
     std::vector<Index> out;
     for (std::string const& word : split(list, ',')) {
@@ -35,6 +28,13 @@ std::vector<Index> sizes_in(std::string const& list) {
 }
 
 }  // namespace
+
+std::vector<std::string> split(std::string const& text, char at) {
+    std::vector<std::string> out;
+    std::istringstream in(text + at);
+    for (std::string part; std::getline(in, part, at);) out.push_back(part);
+    return out;
+}
 
 Choice& choice() {
     static Choice made;

@@ -8,6 +8,9 @@
 
 namespace rlslab::bench {
 
+/// The parts of a row's name, or of a list.
+std::vector<std::string> split(std::string const& text, char at);
+
 /// Without an option of ours every row is there. With one, the rows are those of one filter at a time, at these sizes:
 /// the variants in the arithmetics that are named, the peers, and the user's own class.
 struct Choice {

@@ -1,5 +1,7 @@
 // Takes the names apart; one unit of time for every order of magnitude; the table of times.
 #include "bench/measured.hpp"
+
+#include "bench/choice.hpp"
 #include "bench/results.hpp"
 
 #include <algorithm>
@@ -9,19 +11,11 @@
 #include <fmt/ranges.h>
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace rlslab::bench {
 namespace {
 
 using nlohmann::json;
-
-std::vector<std::string> parts_of(std::string const& name) {
-    std::vector<std::string> out;
-    std::istringstream in(name);
-    for (std::string part; std::getline(in, part, '/');) out.push_back(part);
-    return out;
-}
 
 /// The parameters in "64", "200000x10" or, for a limit, the bytes of its square.
 double size_of(std::string const& group, std::string const& what) {
@@ -30,7 +24,7 @@ double size_of(std::string const& group, std::string const& what) {
 }
 
 BenchRow measured(json const& row) {
-    std::vector<std::string> const parts = parts_of(row.at("run_name"));
+    std::vector<std::string> const parts = split(row.at("run_name"), '/');
     if (parts.size() < 2)
         throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
     BenchRow out{.group = parts.front(),

@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
-#include <sstream>
 
 namespace rlslab::bench {
 namespace {
@@ -59,10 +58,8 @@ class ByTheSize : public OneLineEach {
     std::vector<Row> rows_;
 
     void show(Run const& run) override {
-        std::istringstream parts(run.run_name.str());
-        std::string group, name, arithmetic, size;
-        std::getline(std::getline(std::getline(std::getline(parts, group, '/'), name, '/'), arithmetic, '/'), size);
-        rows_.push_back({name, arithmetic, std::stol(size), group == "peer", run});
+        auto const parts = split(run.run_name.str(), '/');
+        rows_.push_back({parts[1], parts[2], std::stol(parts[3]), parts[0] == "peer", run});
     }
 
     /// Rows a second, or `none` where too few were timed.

@@ -2,6 +2,7 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include "program/definitions.hpp"
 #include "program/examples.hpp"
+#include "program/sweep.hpp"
 
 #include <rlslab/studies/study.hpp>
 
@@ -42,7 +43,10 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
         for (Arithmetic const& arithmetic : arithmetics()) add(arithmetic.name);
         return {words, names, list};
     }
-    if (one.name == "--vary") return {words, {"arithmetic=", "forgetting=", "order=", "prior=", "variant="}, true};
+    if (one.name == "--vary") {
+        for (std::string_view const factor : sweep_factors) names.push_back(fmt::format("{}=", factor));
+        return {words, names, true};
+    }
     if (one.value == "NAME" && command.get_name() == "study") {
         for (Study const* study : studies::studies()) add(study->name);
         return {words, names};

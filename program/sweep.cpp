@@ -21,8 +21,6 @@ using namespace compare;
 using namespace studies;
 namespace {
 
-constexpr std::string_view factor_names[] = {"order", "forgetting", "prior", "arithmetic", "variant"};
-
 /// What the trials share; they only read it.
 struct Given {
     std::map<double, Records> records;                              ///< by model order
@@ -56,7 +54,7 @@ Cell value_of(std::string const& factor, std::string const& text) {
     return text;
 }
 
-/// The factors in the order of factor_names, with the values that are varied or the default alone. Variants are none:
+/// The factors in the order of sweep_factors, with the values that are varied or the default alone. Variants are none:
 /// all share a trial's reference.
 std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& variants) {
     std::vector<Factor> out{{"order", {double(sweep.order)}},
@@ -65,7 +63,7 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
                             {"arithmetic", {std::string("float"), std::string("double")}},
                             {"variant", {}}};
     for (auto const& [name, values] : sweep.vary) {
-        expect_one_of({std::begin(factor_names), std::end(factor_names)}, name, "--vary", "factor");
+        expect_one_of({std::begin(sweep_factors), std::end(sweep_factors)}, name, "--vary", "factor");
         Factor& factor = *std::ranges::find(out, name, &Factor::name);
         factor.values.clear();
         for (std::string const& text : values) {

@@ -7,6 +7,9 @@
 
 namespace rlslab::program {
 
+/// What --vary names, in the order of the table.
+inline constexpr std::string_view sweep_factors[] = {"order", "forgetting", "prior", "arithmetic", "variant"};
+
 struct Sweep {
     std::vector<studies::FactorValues> vary;
     int order = 0;                              ///< of the model that is given; 0: it has none

@@ -1,12 +1,8 @@
 # cmake -DBUILD_DIR=... -DFOLDER=... -DCOMPILER=... -DWORK_DIR=... -P own_study.cmake
 # A program of one's own studies, built against an installation: the page, the options, parts, records and the report.
 cmake_minimum_required(VERSION 3.25)
-file(REMOVE_RECURSE ${WORK_DIR})
-file(MAKE_DIRECTORY ${WORK_DIR})
-foreach(component headers kernels native core catalogue studies)
-  execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --component ${component} --prefix ${WORK_DIR}/prefix
-    OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-endforeach()
+set(COMPONENTS headers kernels native core catalogue studies)
+include(${CMAKE_CURRENT_LIST_DIR}/own.cmake)
 # As it is, and where there is no pandoc.
 foreach(build build without)
   set(pandoc "")
@@ -21,17 +17,7 @@ endforeach()
 execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${WORK_DIR}/build --no-tests=error --output-on-failure
     COMMAND_ERROR_IS_FATAL ANY)
 
-# own(CODE ARGUMENT...): runs the program; what it prints is in `out` and `err`.
 set(program ${WORK_DIR}/build/own_study)
-function(own code)
-  execute_process(COMMAND ${program} ${ARGN} WORKING_DIRECTORY ${WORK_DIR} INPUT_FILE /dev/null
-    OUTPUT_VARIABLE out ERROR_VARIABLE err RESULT_VARIABLE was)
-  if(NOT was EQUAL code)
-    message(FATAL_ERROR "${ARGN}: exit code ${was}, expected ${code}\n${out}${err}")
-  endif()
-  set(out "${out}" PARENT_SCOPE)
-  set(err "${err}" PARENT_SCOPE)
-endfunction()
 function(expect where text)
   string(FIND "${where}" "${text}" at)
   if(at EQUAL -1)
