@@ -109,8 +109,8 @@ std::vector<Term> terms_of(IdentifyOptions const& o, int order) {
     std::vector<Term> out;
     auto const output = [&](int lag) { out.push_back({fmt::format("a{}", lag), text_of({o.output, lag}), -1, lag}); };
     auto const input = [&](size_t j, int lag, int number) {
-        out.push_back({fmt::format("b{}{}", number, o.inputs.size() > 1 ? "[" + printable(o.inputs[j]) + "]" : ""),
-                       text_of({o.inputs[j], lag}), int(j), lag});
+        std::string const which = o.inputs.size() > 1 ? fmt::format("[{}]", printable(o.inputs[j])) : "";
+        out.push_back({fmt::format("b{}{}", number, which), text_of({o.inputs[j], lag}), int(j), lag});
     };
     if (order == 0 && !o.regressors.empty()) {
         std::vector<Lagged> const list = listed(o);
