@@ -67,7 +67,8 @@ void take_choice(int& argc, char** argv) {
         else if (word == "--double") out.in_double = true;
         else if (word == "--float") out.in_float = true;
         else if (word == "--fixed") out.fixed = true;
-        else if (word != "--mine") {
+        else if (word == "--mine") out.mine = true;
+        else {
             argv[kept++] = argv[i];
             continue;
         }

@@ -17,7 +17,8 @@ struct Choice {
     bool made = false;  ///< one of our options was given; single updates are timed, too
     std::vector<Index> sizes{2, 4, 8, 16, 24, 32, 64, 128, 256};
     bool in_double = false, in_float = false, fixed = false;
-    std::string csv;  ///< a file; none where it is empty
+    bool mine = false;  ///< the user's own class was named
+    std::string csv;    ///< a file; none where it is empty
 
     /// Whether the row is among them; its name is GROUP/NAME/ARITHMETIC/SIZE or shorter.
     bool has(std::string const& row) const;

@@ -14,12 +14,8 @@ namespace {
 
 using namespace rlslab::bench;
 
-constexpr char usage[] = R"(expected one of
-  run [OPTION...]             times the rows; options of Google Benchmark, and
-      --sizes 5,12            one filter at a time, of these sizes (or 4,16,64)
-      --double, --float       in these arithmetics (or in double)
-      --fixed                 variants whose size the compiler knows: 2, 3, 4, 6, 8
-      --csv FILE              the table as CSV, too
+constexpr char verbs[] = R"(expected one of
+  run [OPTION...]             times the rows; run --help has the options
   page RUN.json PAGE.html     plots and tables of a run
   check RUN.json BASELINE     what became slower since, on this kind of machine
   record RUN.json BASELINE    makes the run the baseline of its kind of machine
@@ -64,7 +60,7 @@ int main(int argc, char** argv) try {
         argv[1] = argv[0];
         return run_rows(argc - 1, argv + 1);
     }
-    if (verb == "--help" || verb == "help") return fmt::print("rlslab_bench: {}\n", usage), 0;
+    if (verb == "--help" || verb == "help") return fmt::print("rlslab_bench: {}\n", verbs), 0;
 #ifdef RLSLAB_BENCH_RANKS
     if (verb == "ranks" && argc <= 6) return run_ranks(argv);
 #endif
@@ -76,7 +72,7 @@ int main(int argc, char** argv) try {
         return 0;
     }
     if (verb == "table" && argc == 3) return fmt::print("{}", table_of_times(of_run(argv[2], run_of))), 0;
-    if ((verb != "check" && verb != "record") || argc != 4) throw std::runtime_error(usage);
+    if ((verb != "check" && verb != "record") || argc != 4) throw std::runtime_error(verbs);
     Baseline const now = of_run(argv[2], baseline_of);
     Baselines all = recorded(argv[3]);
     if (verb == "check") return check(of_machine(all, now.machine), now);

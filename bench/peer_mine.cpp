@@ -11,6 +11,8 @@ namespace {
 template <class F>
 consteval std::string_view name_of_class() {
     if constexpr (requires { std::string_view(F::name); }) return F::name;
+    else if constexpr (requires { std::string_view(F::name()); }) return F::name();
+    else if constexpr (requires { &F::name; }) static_assert(sizeof(F) == 0, "Mine::name is a static constexpr text");
     else return "mine";
 }
 template <class F>
@@ -72,6 +74,7 @@ public:
 };
 
 Rows const added([] {
+    has_mine = true;
     for (Index size : choice().sizes) add_filter_row<Own<::Mine>>("peer", size);
 });
 

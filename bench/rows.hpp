@@ -30,6 +30,9 @@ public:
     }
 };
 
+/// Set where the class of a user's own is compiled in.
+inline bool has_mine = false;
+
 /// What one row reports besides its time.
 struct Answer {
     double digits;

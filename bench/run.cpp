@@ -21,6 +21,8 @@ double counter(Run const& run, char const* name) { return run.counters.at(name).
 class OneLineEach : public benchmark::BenchmarkReporter {
     bool failed_ = false;
 
+    virtual void show_error(Run const& run) { fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message); }
+
     virtual void show(Run const& run) {
         fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter(run, "ns_per_update"),
                    counter(run, "digits"), counter(run, "finite") != 0 ? "yes" : "no");
@@ -37,14 +39,21 @@ public:
     void ReportRuns(std::vector<Run> const& runs) override {
         for (Run const& run : runs) {
             if (run.error_occurred) {
+                if (run.repetition_index <= 0) show_error(run);
                 failed_ = true;
-                fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message);
             } else if (run.repetitions <= 1 || run.aggregate_name == "median") show(run);
         }
         std::fflush(stdout);
     }
     bool failed() const { return failed_; }
 };
+
+/// A text as a field of CSV.
+std::string quoted(std::string const& text) {
+    std::string out = "\"";
+    for (char const c : text) out += c == '"' ? "\"\"" : c == '\n' ? " " : std::string(1, c);
+    return out + '"';
+}
 
 /// Interleaved repetitions end in any order: the tables come when all have ended.
 class ByTheSize : public OneLineEach {
@@ -57,6 +66,7 @@ class ByTheSize : public OneLineEach {
     std::string machine_;
     std::vector<Row> rows_;
 
+    void show_error(Run const& run) override { show(run); }
     void show(Run const& run) override {
         auto const parts = split(run.run_name.str(), '/');
         rows_.push_back({parts[1], parts[2], std::stol(parts[3]), parts[0] == "peer", run});
@@ -75,20 +85,26 @@ public:
             "# {}\n# ns: one update, the least over stretches of rows; theta: solving for it, "
             "where that is asked; p50, p99, largest: of single updates\n"
             "parameters,arithmetic,name,ns,theta,p50,p99,largest,rows_per_second_99_99,"
-            "digits,finite\n",
+            "digits,finite,error\n",
             machine_);
-        for (auto const& [name, arithmetic, size, peer, run] : rows_)
-            out += fmt::format("{},{},{},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f},{},{:.2f},{}\n", size, arithmetic, name,
+        for (auto const& [name, arithmetic, size, peer, run] : rows_) {
+            if (run.error_occurred) {
+                out += fmt::format("{},{},{},,,,,,,,,{}\n", size, arithmetic, name, quoted(run.error_message));
+                continue;
+            }
+            out += fmt::format("{},{},{},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f},{},{:.2f},{},\n", size, arithmetic, name,
                                counter(run, "ns_per_update"), counter(run, "ns_theta"), counter(run, "ns_p50"),
                                counter(run, "ns_p99"), counter(run, "ns_largest"), rate(run, "{:.0f}", ""),
                                counter(run, "digits"), int(counter(run, "finite")));
+        }
         return out;
     }
 
     bool ReportContext(Context const&) override { return true; }
     void Finalize() override {
         std::ranges::stable_sort(rows_, {}, [](Row const& row) {
-            return std::tuple(row.size, row.peer, row.peer ? 0 : counter(row.run, "ns_per_update"));
+            return std::tuple(row.size, row.peer,
+                              row.peer || row.run.error_occurred ? 0 : counter(row.run, "ns_per_update"));
         });
         fmt::print("{}\nns of one update; rows/s: at which 99.99 % are done before the next row arrives\n", machine_);
         Index size = 0;
@@ -96,8 +112,12 @@ public:
             if (row.size != size)
                 fmt::print("\n{:<31}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", fmt::format("{} parameters", size = row.size),
                            "ns", "p50", "p99", "largest", "rows/s", "digits");
-            fmt::print("  {:<29}{:>8.0f}{:>8.0f}{:>8.0f}{:>9.0f}{:>8}{:>8}\n",
-                       row.name + (row.arithmetic == "float" ? ", float" : ""), counter(row.run, "ns_per_update"),
+            std::string const name = row.name + (row.arithmetic == "float" ? ", float" : "");
+            if (row.run.error_occurred) {
+                fmt::print("  {:<29}{}\n", name, row.run.error_message);
+                continue;
+            }
+            fmt::print("  {:<29}{:>8.0f}{:>8.0f}{:>8.0f}{:>9.0f}{:>8}{:>8}\n", name, counter(row.run, "ns_per_update"),
                        counter(row.run, "ns_p50"), counter(row.run, "ns_p99"), counter(row.run, "ns_largest"),
                        rate(row.run, "{:.1g}", "-"),
                        counter(row.run, "finite") != 0 ? fmt::format("{:.1f}", counter(row.run, "digits")) : "broke");
@@ -116,7 +136,18 @@ std::string processor(std::string const& key) {
 
 }  // namespace
 
+char const* const run_options = R"(      --sizes 5,12            one filter at a time, of these sizes (or 4,16,64)
+      --double, --float       in these arithmetics (or in double)
+      --fixed                 variants whose size the compiler knows: 2, 3, 4, 6, 8
+      --mine                  a class of one's own, where one is compiled in (docs/bench.md)
+      --csv FILE              the table as CSV, too
+)";
+
 int run_rows(int argc, char** argv) {
+    for (int i = 1; i < argc; ++i)
+        if (std::string_view(argv[i]) == "--help")
+            fmt::print("{} [OPTION...]: times the rows. Our options, then those of Google Benchmark:\n{}\n", argv[0],
+                       run_options);
     std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
     take_choice(argc, argv);
     if (std::string const& csv = choice().csv; !csv.empty()) {  // before minutes are spent
@@ -127,6 +158,10 @@ int run_rows(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     Rows::add_all();
+    if (choice().mine && !has_mine)
+        throw std::runtime_error(
+            "--mine: no class is compiled into this program; expected ./lab bench --mine FILE.cpp,"
+            " or a program by rlslab_add_bench");
     // The name alone is that of several generations.
     std::string const cpu = fmt::format("{} (family {}, model {})", processor("model name"), processor("cpu family"),
                                         processor("model")),

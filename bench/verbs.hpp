@@ -5,8 +5,11 @@
 
 namespace rlslab::bench {
 
-/// Runs the rows with the options of Google Benchmark; argv[0] is the program. Returns 0, or 2 for an option that it
-/// does not know.
+/// The options of ours in run_rows, a line each.
+extern char const* const run_options;
+
+/// Runs the rows with our options and those of Google Benchmark; argv[0] is the program. Returns 0, or 2 for an option
+/// that it does not know.
 int run_rows(int argc, char** argv);
 
 std::string page_of(Run const& run);

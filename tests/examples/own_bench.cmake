@@ -3,17 +3,24 @@
 cmake_minimum_required(VERSION 3.25)
 set(COMPONENTS headers kernels native core bench)
 include(${CMAKE_CURRENT_LIST_DIR}/own.cmake)
-# Not optimised: its times are not looked at.
-execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${FOLDER} -B ${WORK_DIR}/build -DCMAKE_BUILD_TYPE=Debug
-    -DCMAKE_CXX_FLAGS_DEBUG=-O0
-  -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build COMMAND_ERROR_IS_FATAL ANY)
-
 function(expect where text)
   if(NOT where MATCHES "${text}")
     message(FATAL_ERROR "expected '${text}' in\n${where}")
   endif()
 endfunction()
+# The example, where it throws at more than 6 parameters.
+file(COPY ${FOLDER}/ DESTINATION ${WORK_DIR}/source)
+file(READ ${FOLDER}/mine.cpp mine)
+set(start "for (int i = 0; i < d; ++i) P_[i * d + i] = p0;")
+expect("${mine}" "P_.i . d . i. = p0;")
+string(REPLACE "${start}" "if (d > 6) throw std::runtime_error(\"no more than 6 parameters\"); ${start}" mine "${mine}")
+file(WRITE ${WORK_DIR}/source/mine.cpp "#include <stdexcept>\n${mine}")
+# Not optimised: its times are not looked at.
+execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${WORK_DIR}/source -B ${WORK_DIR}/build -DCMAKE_BUILD_TYPE=Debug
+    -DCMAKE_CXX_FLAGS_DEBUG=-O0
+  -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build COMMAND_ERROR_IS_FATAL ANY)
+
 set(program ${WORK_DIR}/build/own_bench)
 set(short --benchmark_min_time=0.001 --sizes 3,5)
 
@@ -30,8 +37,13 @@ foreach(line IN LISTS lines)
 endforeach()
 file(READ ${WORK_DIR}/times.csv csv)
 expect("${csv}"
-  "^# .*\nparameters,arithmetic,name,ns,theta,p50,p99,largest,rows_per_second_99_99,digits,finite\n3,double,ud,")
-expect("${csv}" "\n5,double,textbook,[0-9.]+,[0-9.]+,[0-9.]+,[0-9.]+,[0-9]+,[0-9]+,1[0-9.]+,1\n")
+  "^# .*\nparameters,arithmetic,name,ns,theta,p50,p99,largest,rows_per_second_99_99,digits,finite,error\n3,double,ud,")
+expect("${csv}" "\n5,double,textbook,[0-9.]+,[0-9.]+,[0-9.]+,[0-9.]+,[0-9]+,[0-9]+,1[0-9.]+,1,\n")
+# A class that throws at some size has its rows of the others, and its message in the table and the file.
+own(2 ${short} --sizes 3,7 --csv times.csv --benchmark_filter=textbook)
+expect("${out}" "\n3 parameters .*\n  textbook +[0-9].*\n7 parameters .*\n  textbook +no more than 6 parameters\n")
+file(READ ${WORK_DIR}/times.csv csv)
+expect("${csv}" "\n7,double,textbook,,,,,,,,,\"no more than 6 parameters\"\n$")
 own(0 ${short} --float --benchmark_filter=textbook|/ud/)
 expect("${out}" "  ud, float ")
 own(2 --sizes)
@@ -44,8 +56,12 @@ expect("${err}" "--sizes 0: expected whole numbers from 1 to 512, as in 5,12\n$"
 own(2 ${short} --csv nowhere/times.csv --benchmark_filter=/ud/)
 expect("${err}" "nowhere/times.csv")
 own(2 ${short} --benchmark_filter=none)
-# The installed program has the variants of fixed size, too.
+own(0 --help)
+expect("${out}" "--sizes 5,12 .*--benchmark_filter")
+# The installed program has the variants of fixed size, too, and no class of one's own.
 set(program ${WORK_DIR}/prefix/bin/rlslab_bench)
+own(2 run --mine --sizes 4)
+expect("${err}" "--mine: no class is compiled into this program")
 own(0 run --fixed --sizes 4 --benchmark_min_time=0.001
   --benchmark_filter=/ud/|by_hand)
 expect("${out}" "\n4 parameters .*\n  by_hand_ud ")
