@@ -149,7 +149,7 @@ struct StateEntry {
         return out;
     }
     bool same_value(StateEntry const& other) const {
-        return std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(other.value);
+        return __builtin_bit_cast(std::uint64_t, value) == __builtin_bit_cast(std::uint64_t, other.value);
     }
 };
 /// The bytes between header and numbers of a whole state; empty where there are fewer.
