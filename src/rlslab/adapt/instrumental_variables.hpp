@@ -73,20 +73,21 @@ struct OfOneRegressor<F, M> {
 /// of psi (past outputs, or inputs with errors) depend on it. The m >= q instruments zeta (past inputs, and what else of
 /// psi v does not reach) depend on psi and not on v.
 ///
-///   (1) stage 1, a MultiOutput<G>, takes (zeta, psi_1 ... psi_q); w_i is its residual, 0 for i > q
-///   (2) psihat = psi - w: for i <= q zeta'Theta_i, of after this row
+///   (1) stage 1, a MultiOutput<G>, takes (zeta, psi_1 ... psi_q); w_i is its innovation if its gamma >= 3/4, else its
+///       residual; 0 for i > q
+///   (2) psihat = psi - w: for i <= q zeta'Theta_i, of before this row, or of after it
 ///   (3) stage 2, any variant F, takes psihat and the outputs y - psi'theta0, w_1 ... w_q: beta and Gamma
 ///   (4) (I + [Gamma 0]) (theta - theta0) = beta, a system of q equations
 ///
 /// (4) makes theta that of the instruments psihat, whatever the prior of stage 1: with lambda = 1
 ///   (P0^-1 + sum psihat psi') theta = P0^-1 theta0 + sum psihat y,
-/// though every matrix that is propagated is symmetric. beta alone is biased no less, and its variance is larger for
-/// every N: stage 1 moves while stage 2 sums, so that psihat and w are not orthogonal as in the batch. Theta of before
-/// the row would leave no bias of first order; but psihat is then an extrapolation while rows are few, and their weight
-/// stays. docs/theory.md 93 has both.
+/// though every matrix that is propagated is symmetric. beta alone has a larger variance for every N: stage 1 moves
+/// while stage 2 sums, so that psihat and w are not orthogonal as in the batch. Theta of before the row knows nothing of
+/// the row's v: no bias of first order where v is white. But where the row's share 1 - gamma in its own fit is large,
+/// psihat would be an extrapolation whose weight stays; Theta of after the row is safe there. docs/theory.md 93.
 ///
 /// zeta        of (psi_{q+1} ... psi_d) and of lags at least q; any numbers. While stage 1 has had m rows or fewer
-///             psihat is about psi: the start is that of least squares
+///             psihat is about psi, and the start that of least squares, if its prior is vague: P0 zeta^2 above 1
 /// a row with a number that is not finite is missing: time passes in both stages, no theta changes
 /// P           stored() is F's. sigma^2 P is the covariance of theta for many rows where v is white of variance sigma^2
 /// step        innovation y - psi'theta_{k-1}, residual y - psi'theta_k, gamma of F, health the worst of all stages;
@@ -147,8 +148,9 @@ public:
         outputs_[0] = shifted;
         Health health = Health::sound;
         for (Index i = 0; i < correlated(); ++i) {
-            outputs_[i + 1] = fitted[size_t(i)].residual;
-            health = worse(health, fitted[size_t(i)].health);
+            Step<T> const& of = fitted[size_t(i)];
+            outputs_[i + 1] = T(3) <= T(4) * of.gamma ? of.innovation : of.residual;
+            health = worse(health, of.health);
             psihat_[i] -= outputs_[i + 1];  // (2)
         }
         Step<T> step = second_.update(psihat(), outputs());  // (3)
