@@ -201,6 +201,44 @@ TEST(InstrumentalVariables, RefuseWhatMakesNoSense) {
         }
     }
 }
+/// Units are powers of two: psi and y with 2^e, the instruments with 2^f, and their priors with 2^-2e, 2^-2f.
+TEST(InstrumentalVariables, KeepTheirBitsInAnyUnit) {
+    auto const theta = [](int e, int of_zeta, int of_prior) {
+        InstrumentalVariables<Ud<double, 3>, Ud<double, 4>, 2> f(problem_of<double>(3, std::ldexp(64, -2 * e)),
+                                                                 problem_of<double>(4, std::ldexp(64, -2 * of_prior)));
+        Seed seed{15};
+        for (int k = 0; k < 100; ++k) {
+            double psi[3], zeta[4];
+            double const y = draw(seed, psi);
+            draw(seed, zeta);
+            for (double& x : psi) x = std::ldexp(x, e);
+            for (double& x : zeta) x = std::ldexp(x, of_zeta);
+            f.update(psi, zeta, std::ldexp(y, e));
+        }
+        return Vector<double>(f.theta());
+    };
+    for (int e : {-400, -3, 7, 400})
+        for (int f : {-400, 5, 400}) EXPECT_EQ(theta(e, f, f), theta(0, 0, 0)) << e << ' ' << f;
+    EXPECT_NE(theta(0, 5, 0), theta(0, 0, 0));
+}
+TEST(InstrumentalVariables, StartWithoutAPriorWhereTheirSecondStageDoes) {
+    Problem<double> none{.size = 3, .forgetting = lambda, .prior = std::nullopt};
+    InstrumentalVariables<Qr<double>, Ud<double>> f(none, problem_of<double>(4), 2);
+    InstrumentalVariables<Qr<double>, Ud<double>> g(problem_of<double>(3, 1e12), problem_of<double>(4), 2);
+    Seed seed{16};
+    for (int k = 0; k < 40; ++k) {
+        double psi[3], zeta[4];
+        double const y = draw(seed, psi);
+        draw(seed, zeta);
+        Step<double> const step = f.update(psi, zeta, y);
+        g.update(psi, zeta, y);
+        EXPECT_EQ(step.health, k < 3 ? Health::undetermined : Health::sound) << k;
+        EXPECT_TRUE(k < 3 ? std::isnan(step.innovation) && std::isnan(step.residual)
+                          : std::isfinite(step.innovation) && step.gamma > 0)
+            << k;
+    }
+    EXPECT_LE(relative(f.theta(), g.theta()), 1e-9);  // P0^-1 of 1e-12 beside sums of 30
+}
 TEST(InstrumentalVariables, ServeOneParameterAndOneInstrument) {
     InstrumentalVariables<Ud<double, 1>, Ud<double, 1>, 1> f(problem_of<double>(1, 1e9, 1),
                                                              problem_of<double>(1, 1e9, 1));

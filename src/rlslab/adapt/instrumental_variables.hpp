@@ -82,9 +82,9 @@ struct OfOneRegressor<F, M> {
 /// (4) makes theta that of the instruments psihat, whatever the prior of stage 1: with lambda = 1
 ///   (P0^-1 + sum psihat psi') theta = P0^-1 theta0 + sum psihat y,
 /// though every matrix that is propagated is symmetric. beta alone has a larger variance for every N: stage 1 moves
-/// while stage 2 sums, so that psihat and w are not orthogonal as in the batch. Theta of before the row knows nothing of
-/// the row's v: no bias of first order where v is white. But where the row's share 1 - gamma in its own fit is large,
-/// psihat would be an extrapolation whose weight stays; Theta of after the row is safe there. docs/theory.md 93.
+/// while stage 2 sums, so that psihat and w are not orthogonal as in the batch. Theta of before the row does not depend
+/// on the row's v: no bias of first order where v is white. But where the row's share 1 - gamma in its own fit is
+/// large, psihat would be an extrapolation whose weight stays; Theta of after the row is safe there. docs/theory.md 93.
 ///
 /// zeta        of (psi_{q+1} ... psi_d) and of lags at least q; any numbers. While stage 1 has had m rows or fewer
 ///             psihat is about psi, and the start that of least squares, if its prior is vague: P0 zeta^2 above 1
@@ -154,12 +154,13 @@ public:
             psihat_[i] -= outputs_[i + 1];  // (2)
         }
         Step<T> step = second_.update(psihat(), outputs());  // (3)
-        step.innovation = e;
-        step.health = worse(health, step.health);
-        if (!solve()) step.health = worse(step.health, Health::undetermined);
+        bool const determined = step.health != Health::undetermined;
+        bool const regular = solve();
         T left = innovation(y, psihat(), theta_);
         for (Index i = 0; i < correlated(); ++i) left -= outputs_[i + 1] * theta_[i];
-        step.residual = left;
+        step.innovation = determined ? e : undefined<T>();
+        step.residual = determined ? left : undefined<T>();
+        step.health = worse(worse(health, step.health), regular ? Health::sound : Health::undetermined);
         if (step.health == Health::sound) step = if_finite<T>(is_finite(left), step);
         return step;
     }
