@@ -1,4 +1,6 @@
 // Extended least squares is its filter with the filter's own residuals appended, bit for bit.
+#include <rlslab/arithmetic/multiprecision.hpp>
+
 #include <rlslab/adapt/extended_least_squares.hpp>
 
 #include "tests/adapt/coloured.hpp"
@@ -55,6 +57,32 @@ TEST(ExtendedLeastSquares, IsTheFilterWithItsResidualsAppendedBitForBit) {
                 }
     });
     EXPECT_TRUE((is_the_filter_with_residuals<Ud<double, 5>>(3, 2)));
+}
+
+/// (P0^-1 + sum phi phi') theta = sum phi y in rationals, with the rows as it reports them.
+TEST(ExtendedLeastSquares, SolvesTheEquationsOfItsOwnRowsExactly) {
+    using Q = Rational;
+    for_each(Variants<Q>{}, []<class F>() {
+        ExtendedLeastSquares<F> f(problem_of<Q>(3, 4, 1), 1);
+        Eigen::Matrix<Q, 3, 3> X = Eigen::Matrix<Q, 3, 3>::Identity() / Q(4);
+        Eigen::Matrix<Q, 3, 1> b = Eigen::Matrix<Q, 3, 1>::Zero();
+        Seed seed{17};
+        for (int k = 0; k < 6; ++k) {
+            auto const number = [&] { return Q(int(seed.next() % 19) - 9) / Q(4); };
+            Q const y = number(), first = number();
+            Step<Q> const step = f.update({first, number()}, y);
+            Q left = y;
+            for (Index i = 0; i < 3; ++i) {
+                left -= f.phi()[i] * Vector<Q>(f.theta())[i], b[i] += f.phi()[i] * y;
+                for (Index j = 0; j < 3; ++j) X(i, j) += f.phi()[i] * f.phi()[j];
+            }
+            Eigen::Matrix<Q, 3, 1> const theta = Vector<Q>(f.theta());
+            EXPECT_TRUE((Eigen::Matrix<Q, 3, 1>(X.lazyProduct(theta)) == b)) << F::name << k;
+            if constexpr (!TakesBlocks<F>) {
+                EXPECT_EQ(step.residual, left) << F::name << k;
+            }
+        }
+    });
 }
 
 template <class F>

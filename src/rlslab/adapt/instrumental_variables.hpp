@@ -70,8 +70,8 @@ struct OfOneRegressor<F, M> {
 }  // namespace detail
 
 /// Instrumental variables in two stages, recursive: y = psi'theta + v, where v is coloured, so that the first q numbers
-/// of psi (past outputs, or inputs with errors) depend on it. The m >= q instruments zeta (past inputs, and what else of
-/// psi v does not reach) depend on psi and not on v.
+/// of psi (past outputs, or inputs with errors) depend on it. The m >= q instruments zeta (past inputs, and what else
+/// of psi v does not reach) depend on psi and not on v.
 ///
 ///   (1) stage 1, a MultiOutput<G>, takes (zeta, psi_1 ... psi_q); w_i is its innovation if its gamma >= 3/4, else its
 ///       residual; 0 for i > q
