@@ -204,7 +204,7 @@ Study const coloured_noise{
         "docs/theory.md 92 and 93; Söderström & Stoica 1989, ch. 8 (cited, not read); Ljung 1977, Solo 1979 (cited, "
         "not read)",
     .formula = R"tex(\hat\theta_{LS} \to \theta + R^{-1}E\psi v, \qquad
-                     (R^{-1}G - \tfrac12)\Sigma + \Sigma(R^{-1}G - \tfrac12)^\top = \sigma^2R^{-1}, \\
+                     (R^{-1}G - \tfrac12)\Sigma + \Sigma(R^{-1}G - \tfrac12)^\top = \sigma^2R^{-1}, \qquad
                      N\operatorname{cov}\hat\theta_{IV} \to Q^{-1}\Pi^\top S_v\Pi Q^{-1})tex",
     .interpretation =
         "Systems of order 2 in white noise, in noise whose C has 1/C - 1/2 positive real, and in noise where it has "
