@@ -5,6 +5,8 @@
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/extended_least_squares.hpp>
+#include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
@@ -150,6 +152,24 @@ TEST(Allocation, NoneByOutputsWhoseNumberIsFixed) {
     long const made = allocations;
     EXPECT_GT(made, before);
     dynamic.update(psi, {1.0, 2.0, 3.0});
+    EXPECT_EQ(allocations, made);
+}
+
+TEST(Allocation, NoneInColouredNoise) {
+    double const psi[3] = {1, 2, 3}, zeta[4] = {4, 3, 2, 1};
+    long const before = allocations;
+    ExtendedLeastSquares<Ud<double, 5>> f({}, 2);
+    InstrumentalVariables<Ud<double, 3>, Ud<double, 4>, 2> g({}, {});
+    InstrumentalVariables<Qr<double, 3>, Ud<double, 4>, 2> h({}, {});
+    f.update(psi, 1), g.update(psi, zeta, 1), h.update(psi, zeta, 1);
+    f.pass_time(), g.pass_time(), h.pass_time();
+    EXPECT_EQ(allocations, before);
+    ExtendedLeastSquares<Ud<double>> dynamic({.size = 5}, 2);
+    InstrumentalVariables<Ud<double>> of_any({.size = 3}, {.size = 4}, 2);
+    long const made = allocations;
+    EXPECT_GT(made, before);
+    dynamic.update(psi, 1), of_any.update(psi, zeta, 1);
+    dynamic.pass_time(), of_any.pass_time();
     EXPECT_EQ(allocations, made);
 }
 

@@ -109,6 +109,10 @@ public:
             for (Index i = 0; i < psi_.size(); ++i) out(i, j) = j == 0 ? filter_.theta()[i] : theta_[size_t(j)][i];
         return out;
     }
+    /// theta of one output, good until the next row.
+    Regressor<T> theta_of(Index j) const {
+        return j == 0 ? Regressor<T>(filter_.theta()) : Regressor<T>(theta_[size_t(j)].data(), psi_.size());
+    }
     Matrix<T, N> covariance() const { return filter_.covariance(); }
     static constexpr std::string_view layer = "outputs";
     static std::array<StateOption, 2> options(auto const& f) {
