@@ -273,6 +273,7 @@ Estimation estimate(std::string const& file, IdentifyOptions const& options, Str
     out.freedom = scatter.freedom;
     out.sigma2 = scatter.J / out.freedom;
     out.noise_free = free.scatter.J <= rounding_alone(records.rows(), records.y.cwiseAbs().maxCoeff());
+    out.student = scatter.student;
     out.quantile =
         scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : NAN;
     out.trajectory = trajectory_of(checkpoints, variant, exact, out.sigma2);

@@ -3,6 +3,7 @@
 
 #include <rlslab/catalogue/composition.hpp>
 #include "identify/order.hpp"
+#include "identify/properties.hpp"
 #include "identify/tracking.hpp"
 #include "report/progress.hpp"
 #include "report/provenance.hpp"
@@ -18,7 +19,8 @@
 
 namespace rlslab::identify {
 
-/// The structure is one of: the best order up to max_order, an order, na and nb, a list of regressors.
+/// The structure is one of: the best order up to max_order, an order, na and nb, a list of regressors. Without an input
+/// the model is y's own past: an order, or na.
 struct IdentifyOptions {
     std::vector<std::string> inputs = {};  ///< with a list of regressors: none
     std::string output = {};
@@ -34,7 +36,8 @@ struct IdentifyOptions {
     std::optional<double> p0 = {};  ///< c^2 of P0 = c^2 I; nullopt: P0 is scaled to the data
     double validate = 1.0 / 3;      ///< the last part of the record, not fitted
     double confidence = 0.95;
-    Composition composition = {};  ///< around the variant, beside the model: Identified::tracked
+    std::optional<double> sample_time = {};  ///< seconds, 1e-15 to 1e15; nullopt: time is in samples
+    Composition composition = {};            ///< around the variant, beside the model: Identified::tracked
 };
 
 /// A term of the equation: theta times -y[k-lag], u[k-lag] of an input, or 1.
@@ -81,6 +84,7 @@ struct Remark {
         nothing,
         order,
         whiteness,
+        constancy,
         held_out,
         structure
     };
@@ -124,8 +128,9 @@ struct Estimate {
     double prior_effect = 0;  ///< largest move of a parameter by the prior, in its standard deviations; NaN: not known
     std::vector<Parameter> parameters = {};
     std::optional<Failure> failure = {};
-    double sigma2 = 0, freedom = 0, quantile = 0;  ///< quantile: Student's, of the interval
-    bool noise_free = false;                       ///< the residuals of the least squares are rounding errors
+    double sigma2 = 0, freedom = 0;
+    double student = 0, quantile = 0;  ///< Student's degrees of freedom and its quantile, of the interval
+    bool noise_free = false;           ///< the residuals of the least squares are rounding errors
     double digits = 0,
            digits_worst = 0;  ///< that the variant shares with the certified minimiser of its problem; NaN: none
     double condition = 0;     ///< of the fitted rows
@@ -138,6 +143,12 @@ struct Validation {
     DifferenceEquation model = {};
     std::vector<std::complex<double>> poles = {};
     std::vector<std::vector<std::complex<double>>> zeros = {};
+    std::vector<RootSpread> pole_spreads = {};               ///< in the order of the poles
+    std::vector<std::vector<RootSpread>> zero_spreads = {};  ///< likewise
+    std::vector<Mode> modes = {};
+    std::vector<double> frequencies = {};       ///< of the responses, cycles per sample
+    std::vector<InputResponse> responses = {};  ///< of each input
+    Constancy constancy = {};                   ///< of the fitted rows
     std::vector<Cancellation> cancellations = {};
     std::vector<double> gain = {}, gain_sd = {};  ///< steady state, of each input; NaN: a pole at 1
     double fit_one_step = NAN, held_out_one_step = NAN, held_out_simulated = NAN;  ///< percent
@@ -147,8 +158,10 @@ struct Validation {
     std::vector<Signal> cross_correlation = {};  ///< of residuals and each input, lags 0 ...
     double bound = 0;  ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
     std::vector<PastInput> past_inputs = {};
-    std::vector<Outlier> outliers = {};                   ///< the largest of the fitted part, and of the held-out part
-    Signal measured = {}, one_step = {}, simulated = {};  ///< with means, from the first row of the equation on
+    std::vector<Outlier> outliers = {};              ///< the largest of the fitted part, and of the held-out part
+    Signal measured = {}, one_step = {};             ///< with means, from the first row of the equation on
+    Signal simulated = {}, simulated_held_out = {};  ///< likewise; from the first outputs, and from those just before
+                                                     ///< the held-out part; empty without an input
 };
 
 struct Identified : Structure,

@@ -76,7 +76,7 @@ InputCheck check_inputs(Record const& record, IdentifyOptions const& options, Pr
     std::vector<Index> coefficients(inputs, 0);
     for (Term const& t : terms_of(options, widest_order(options)))
         if (t.input >= 0) ++coefficients[size_t(t.input)];
-    Index const needed = inputs > 0 ? *std::ranges::max_element(coefficients) - 1 : 0;
+    Index const needed = inputs > 0 ? *std::ranges::max_element(coefficients) - 1 : widest_order(options);
     InputCheck out{.supported = needed, .excitation = {}, .remarks = {}};
     for (std::string const& sentence : record.warnings) out.remarks.push_back({Rank::excitation, sentence, ""});
     for (size_t j = 0; j < inputs; ++j) {

@@ -1,4 +1,5 @@
 // An identified model as JSON. An unknown number is null.
+#include "identify/clock.hpp"
 #include "identify/structure.hpp"
 
 #include <nlohmann/json.hpp>
@@ -39,6 +40,72 @@ Json tracked_json(Tracked const& t) {
             {"rows", rows}};
 }
 
+Json uncertain(Uncertain x, double factor) {
+    return {{"value", number(x.value * factor)}, {"sd", number(x.sd * factor)}};
+}
+Json band(Band const& b) {
+    return {{"value", numbers(b.value)}, {"sd", numbers(b.sd)}, {"low", numbers(b.lower)}, {"high", numbers(b.upper)}};
+}
+/// [rr, ri, ii] of each root; null where it is not known to first order.
+Json covariances(std::vector<RootSpread> const& roots) {
+    Json out = Json::array();
+    for (RootSpread const& r : roots)
+        out.push_back(r.first_order ? numbers({r.spread.rr, r.spread.ri, r.spread.ii}) : Json(nullptr));
+    return out;
+}
+Json modes(std::vector<Mode> const& all, Clock const& clock) {
+    Json out = Json::array();
+    for (Mode const& m : all)
+        out.push_back({{"pole", {number(m.pole.real()), number(m.pole.imag())}},
+                       {"time_constant", uncertain(m.time_constant, clock.time(1))},
+                       {"natural_frequency", uncertain(m.natural_frequency, clock.frequency(1))},
+                       {"damping", uncertain(m.damping, 1)}});
+    return out;
+}
+std::vector<double> times(size_t count, double first, Clock const& clock) {
+    std::vector<double> out;
+    for (size_t k = 0; k < count; ++k) out.push_back(clock.time(first + double(k)));
+    return out;
+}
+Json responses(Identified const& m, size_t input, Clock const& clock) {
+    InputResponse const& r = m.responses[input];
+    std::vector<double> frequency;
+    for (double const f : m.frequencies) frequency.push_back(clock.frequency(f));
+    Json step = {{"time", numbers(times(r.step.value.size(), 0, clock))}};
+    step.update(band(r.step));
+    return {{"step", step},
+            {"frequency", numbers(frequency)},
+            {"magnitude_db", band(r.magnitude_db)},
+            {"phase_degrees", band(r.phase_deg)}};
+}
+Json constancy_json(Constancy const& c, Clock const& clock) {
+    if (c.samples.empty()) return nullptr;
+    std::vector<Index> rows;
+    std::vector<double> time;
+    for (Index const k : c.samples) rows.push_back(k + 1), time.push_back(clock.time(double(k)));
+    auto const path = [&](ConstancyPath const& p) {
+        return Json{{"value", numbers(p.value)},
+                    {"low", numbers(p.lower)},
+                    {"high", numbers(p.upper)},
+                    {"crosses_at_row", p.crosses ? Json(rows[size_t(*p.crosses)]) : Json(nullptr)},
+                    {"crosses_at_1_percent", p.surely},
+                    {"farthest_at_row", rows[size_t(p.farthest)]}};
+    };
+    return {{"rows", rows},      {"time", numbers(time)},  {"recursive_residuals", numbers(c.residuals)},
+            {"level", 0.05},     {"cusum", path(c.cusum)}, {"cusum_of_squares", path(c.squares)},
+            {"c0", number(c.c0)}};
+}
+/// Measured and modelled outputs of the held-out part; of all rows if there is none.
+Json outputs_json(Identified const& m, Clock const& clock) {
+    Index const from = m.held_out > 0 ? Index(m.measured.size()) - m.held_out : 0;
+    auto const tail = [&](Signal const& x) { return x.empty() ? Json(nullptr) : numbers({x.begin() + from, x.end()}); };
+    size_t const count = m.measured.size() - size_t(from);
+    return {{"time", numbers(times(count, double(m.samples) - double(count), clock))},
+            {"measured", tail(m.measured)},
+            {"one_step", tail(m.one_step)},
+            {"simulated", tail(m.simulated_held_out.empty() ? m.simulated : m.simulated_held_out)}};
+}
+
 }  // namespace
 
 std::string as_json(Identified const& m) {
@@ -61,12 +128,16 @@ std::string as_json(Identified const& m) {
                           {"whiteness", number(f.ljung_box)},
                           {"held_out", number(f.held_out)}});
     bool const model = !m.measured.empty();
+    Clock const clock(m.options);
     for (size_t j = 0; j < m.excitation.size(); ++j)
         inputs.push_back({{"name", m.options.inputs[j]},
                           {"mean", number(m.means[j])},
+                          {"delay", number(clock.time(delay_of(m.terms, int(j))))},
                           {"exciting_of_order", m.excitation[j].order},
                           {"constant_at_start", m.excitation[j].constant_at_start},
                           {"zeros", model ? complexes(m.zeros[j]) : Json(nullptr)},
+                          {"zero_covariances", model ? covariances(m.zero_spreads[j]) : Json(nullptr)},
+                          {"response", model ? responses(m, j, clock) : Json(nullptr)},
                           {"gain", model ? number(m.gain[j]) : Json(nullptr)},
                           {"gain_sd", model ? number(m.gain_sd[j]) : Json(nullptr)},
                           {"residual_correlation", model ? numbers(m.cross_correlation[j]) : Json(nullptr)}});
@@ -89,6 +160,10 @@ std::string as_json(Identified const& m) {
           {"detrend", o.detrend},
           {"validate", o.validate},
           {"confidence", o.confidence}}},
+        {"units",
+         {{"time", clock.unit()},
+          {"frequency", clock.unit_of_frequency()},
+          {"sample_time_s", m.options.sample_time ? number(*m.options.sample_time) : Json(nullptr)}}},
         {"samples", m.samples},
         {"fitted", m.fitted},
         {"skipped", m.skipped},
@@ -108,6 +183,8 @@ std::string as_json(Identified const& m) {
         {"parameters", parameters},
         {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", name_of(m.failure->kind)}} : Json(nullptr)},
         {"poles", model ? complexes(m.poles) : Json(nullptr)},
+        {"pole_covariances", model ? covariances(m.pole_spreads) : Json(nullptr)},
+        {"modes", model ? modes(m.modes, clock) : Json(nullptr)},
         {"cancelling", cancelling},
         {"inputs", inputs},
         {"output_mean", number(m.means.back())},
@@ -127,6 +204,8 @@ std::string as_json(Identified const& m) {
           {"level", white_level},
           {"white", m.ljung_box.white()}}},
         {"residual_correlation", numbers(m.auto_correlation)},
+        {"constancy", constancy_json(m.constancy, clock)},
+        {"output", model ? outputs_json(m, clock) : Json(nullptr)},
         {"bound", number(m.bound)},
         {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}},
         {"condition", number(m.condition)}};

@@ -12,8 +12,8 @@ namespace rlslab::identify {
 
 OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay,
                            bool intercept) {
-    expects(!inputs.empty() && delay.size() == inputs.size(), "an input, and a delay for each");
-    Index const first = most + *std::ranges::max_element(delay), last = Index(y.size());
+    expects(delay.size() == inputs.size(), "a delay for each input");
+    Index const first = most + (delay.empty() ? 0 : *std::ranges::max_element(delay)), last = Index(y.size());
     OrderColumns out{{}, {}, int(inputs.size()), intercept, {}};
     expects(last - first > out.columns(most), "more rows than parameters of the largest order");
     out.X.resize(last - first, out.columns(most));
@@ -80,10 +80,10 @@ struct OrderFits {
 };
 
 /// F-test of d parameters over N rows with J against fewer parameters with a larger J: the tail probability of the
-/// improvement.
+/// improvement; 1 if there are no more parameters.
 double improvement(double larger_J, Index fewer, double J, Index d, Index N) {
     double const more = double(d - fewer), left = double(N - d), F = (larger_J - J) / more / (J / left);
-    return J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
+    return J > 0 && F > 0 && more > 0 ? correctly::fisher_tail(more, left, F) : 1;
 }
 
 /// X theta for rows from ... from + count - 1.

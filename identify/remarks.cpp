@@ -1,6 +1,7 @@
 // Tables of conditions and sentences.
 #include "identify/remarks.hpp"
 
+#include "identify/clock.hpp"
 #include "identify/structure.hpp"
 
 #include <rlslab/model/lags.hpp>
@@ -46,10 +47,10 @@ std::string more_terms(Identified const& m) {
     IdentifyOptions const& o = m.options;
     bool const below = !m.choice.fits.empty() && m.order < m.choice.fits.back().order;  // higher orders were fitted
     return !o.regressors.empty() ? "more lags among the --regressors"
-           : o.na                ? "a higher --na or --nb"
-           : o.order             ? fmt::format("--order {}", std::min(200, 2 * o.order))
-           : below               ? fmt::format("--order {}", m.order + 1)
-                                 : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
+           : o.na    ? (o.inputs.empty() ? fmt::format("--na {}", std::min(200, 2 * *o.na)) : "a higher --na or --nb")
+           : o.order ? fmt::format("--order {}", std::min(200, 2 * o.order))
+           : below   ? fmt::format("--order {}", m.order + 1)
+                     : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
 }
 
 // --- one remark at most of each table --------------------------------------------------------------------------------
@@ -90,6 +91,11 @@ Rule const rules_on_dynamics[] = {
                 "dynamics";
      },
      [](Model) -> std::string { return "--na 0 --nb 0"; }},
+    {Rank::nothing, [](Model m) { return bic_chooses_order_0(m) && m.options.inputs.empty(); },
+     [](Model m) {
+         return fmt::format("BIC says 0: the past of {0} predicts nothing of {0}", printable(m.options.output));
+     },
+     [](Model) -> std::string { return "--input, a column that acts on it"; }},
     {Rank::nothing, bic_chooses_order_0,
      [](Model) -> std::string { return "BIC says 0: nothing here is predicted by the inputs or the past of y"; },
      [](Model) -> std::string { return "another input, or another output"; }},
@@ -121,6 +127,29 @@ Rule const rules_on_whiteness[] = {
                  : "");
      },
      more_terms},
+};
+
+/// "row 120 (1.19 s)": where the CUSUM of squares is farthest off, or else where the CUSUM crosses its line.
+std::string row_of_change(Model m) {
+    Constancy const& c = m.constancy;
+    Index const at = c.squares.surely ? c.squares.farthest : *c.cusum.crosses;
+    return Clock(m.options).row_text(c.samples[size_t(at)] + 1);
+}
+Rule const rules_on_constancy[] = {
+    {Rank::constancy,
+     [](Model m) { return m.options.forgetting == 1 && (m.constancy.cusum.surely || m.constancy.squares.surely); },
+     [](Model m) {
+         auto const [cusum, squares] = std::pair(m.constancy.cusum.surely, m.constancy.squares.surely);
+         return fmt::format(
+             "the parameters{} changed around {}: {} of the recursive residuals leave{} the 1 % line: --window or "
+             "--forgetting follow them",
+             cusum ? "" : ", or the noise,", row_of_change(m),
+             cusum && squares ? "the sums and the squares"
+             : cusum          ? "the sum"
+                              : "the squares",
+             cusum && !squares ? "s" : "");
+     },
+     [](Model m) -> std::string { return m.tracked ? "" : "--window or --forgetting 0.99"; }},
 };
 
 /// The one-step errors of the held-out part may be this many times those of the fitted one, both by root mean square
@@ -275,6 +304,7 @@ std::vector<Remark> remarks_on(Identified const& m) {
     if (m.options.forgetting == 1)
         for (PastInput const& p : m.past_inputs) out.push_back(remark_on(p, m));
     add(out, rules_on_whiteness, m);
+    add(out, rules_on_constancy, m);
     add(out, rules_on_held_out, m);
     add(out, rules_on_poles, m);
     for (size_t j = 0; j < m.options.inputs.size() && m.options.regressors.empty(); ++j)

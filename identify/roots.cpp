@@ -44,24 +44,6 @@ std::vector<Root> roots_of(std::vector<double> const& p, std::vector<int> const&
     return out;
 }
 
-/// cov of (re, im) for a gradient: [rr ri; ri ii].
-struct Spread {
-    double rr = 0, ri = 0, ii = 0;
-    double sd() const { return std::sqrt(rr + ii); }
-};
-Spread spread(ComplexVector const& g, Uncertainty const& e) {
-    Spread out;
-    Index const d = e.sd.size();
-    for (Index i = 0; i < d; ++i)
-        for (Index j = 0; j < d; ++j) {
-            if (g[i] == 0.0 || g[j] == 0.0) continue;
-            double const c = e.sd[i] * e.correlation(i, j) * e.sd[j];
-            out.rr += g[i].real() * c * g[j].real(), out.ri += g[i].real() * c * g[j].imag(),
-                out.ii += g[i].imag() * c * g[j].imag();
-        }
-    return out;
-}
-
 /// (3) in the quantile's units: q, and the degrees of freedom.
 std::pair<double, double> distance(Point delta, Spread const& S, bool real) {
     if (real) return {delta.real() * delta.real() / S.rr, 1};
@@ -107,31 +89,65 @@ std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const
     return out;
 }
 
-}  // namespace
-
 /// A coefficient larger than this many standard deviations may divide the others to first order.
 constexpr double surely = 3;
 
-std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms,
-                                        Uncertainty const& uncertainty, double confidence) {
+std::vector<Root> pole_roots(DifferenceEquation const& model, std::vector<Term> const& terms) {
     std::vector<double> a{1};
     a.insert(a.end(), model.a.begin(), model.a.end());
     std::vector<int> at;
     for (Term const& t : terms) at.push_back(t.input == -1 ? t.lag : -1);
-    std::vector<Root> const ps = roots_of(a, at, poles(model));
+    return roots_of(a, at, poles(model));
+}
+
+/// leads: the first coefficient is surely not 0. Otherwise a zero may lie anywhere, and its sd means nothing.
+struct ZeroRoots {
+    std::vector<Root> roots;
+    bool leads = true;
+};
+ZeroRoots zero_roots(DifferenceEquation const& model, std::vector<Term> const& terms, Uncertainty const& uncertainty,
+                     size_t j) {
+    std::vector<double> b = model.b[j];
+    int const lead = int(std::ranges::find_if(b, [](double x) { return x != 0; }) - b.begin());
+    b.erase(b.begin(), b.begin() + lead);
+    if (b.empty()) return {};
+    ZeroRoots out;
+    std::vector<int> at(terms.size(), -1);
+    for (size_t i = 0; i < terms.size(); ++i) {
+        if (terms[i].input == int(j)) at[i] = terms[i].lag - model.delay - lead;
+        if (at[i] == 0 && !(std::abs(b[0]) > surely * uncertainty.sd[Index(i)])) out.leads = false;
+    }
+    out.roots = roots_of(b, at, zeros(model, j));
+    return out;
+}
+
+RootSpread spread_of(Root const& r, Uncertainty const& e) {
+    Spread const S = spread(r.gradient, e);
+    return {r.value, S, S.sd() < r.separation};
+}
+
+}  // namespace
+
+Spread spread(ComplexVector const& g, Uncertainty const& e) {
+    Spread out;
+    Index const d = e.sd.size();
+    for (Index i = 0; i < d; ++i)
+        for (Index j = 0; j < d; ++j) {
+            if (g[i] == 0.0 || g[j] == 0.0) continue;
+            double const c = e.sd[i] * e.correlation(i, j) * e.sd[j];
+            out.rr += g[i].real() * c * g[j].real(), out.ri += g[i].real() * c * g[j].imag(),
+                out.ii += g[i].imag() * c * g[j].imag();
+        }
+    return out;
+}
+
+std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                        Uncertainty const& uncertainty, double confidence) {
+    std::vector<Root> const ps = pole_roots(model, terms);
     std::vector<std::vector<Pair>> pairs;
     for (size_t j = 0; j < model.b.size(); ++j) {
-        std::vector<double> b = model.b[j];
-        int const lead = int(std::ranges::find_if(b, [](double x) { return x != 0; }) - b.begin());
-        b.erase(b.begin(), b.begin() + lead);
-        bool leads = true;  // if the first coefficient may be 0, a zero may lie anywhere: its sd means nothing
-        for (size_t i = 0; i < terms.size(); ++i) {
-            at[i] = terms[i].input == int(j) ? terms[i].lag - model.delay - lead : -1;
-            if (at[i] == 0 && !(std::abs(b[0]) > surely * uncertainty.sd[Index(i)])) leads = false;
-        }
-        if (!leads) b.clear();
-        pairs.push_back(
-            paired(ps, b.empty() ? std::vector<Root>{} : roots_of(b, at, zeros(model, j)), uncertainty, confidence));
+        ZeroRoots const zeros = zero_roots(model, terms, uncertainty, j);
+        pairs.push_back(paired(ps, zeros.leads ? zeros.roots : std::vector<Root>{}, uncertainty, confidence));
     }
     std::vector<Cancellation> out;
     for (Pair const& first : pairs.empty() ? std::vector<Pair>{} : pairs[0]) {
@@ -141,6 +157,21 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
         Point const p = ps[first.pole].value;
         if (std::ranges::all_of(pairs, cancels)) out.push_back({p, first.zero, std::abs(p - first.zero), first.sd});
     }
+    return out;
+}
+
+std::vector<RootSpread> spreads_of_poles(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                         Uncertainty const& uncertainty) {
+    std::vector<RootSpread> out;
+    for (Root const& r : pole_roots(model, terms)) out.push_back(spread_of(r, uncertainty));
+    return out;
+}
+
+std::vector<RootSpread> spreads_of_zeros(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                         Uncertainty const& uncertainty, size_t input) {
+    ZeroRoots const zeros = zero_roots(model, terms, uncertainty, input);
+    std::vector<RootSpread> out;
+    for (Root const& r : zeros.roots) out.push_back(spread_of(r, uncertainty)), out.back().first_order &= zeros.leads;
     return out;
 }
 

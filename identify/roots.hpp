@@ -5,6 +5,9 @@
 
 namespace rlslab::identify {
 
+/// Of g'theta for a complex gradient g.
+Spread spread(Eigen::VectorXcd const& gradient, Uncertainty const& uncertainty);
+
 /// Poles p and zeros z that the record cannot distinguish. To first order p and z move with theta,
 ///
 ///   (1) dp/da_i = -p^(na-i) / A'(p)        dz/db_i = -z^(nb-i) / B'(z)        A(z) = z^na + a_1 z^(na-1) + ...,
@@ -19,6 +22,14 @@ namespace rlslab::identify {
 /// Source: Söderström & Stoica 1989, 11.4 (pole-zero cancellation).
 std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms,
                                         Uncertainty const& uncertainty, double confidence);
+
+/// The poles, and the zeros of an input, with the covariance of their parts to first order, (1) of cancellations.
+/// first_order is false where that is not known to hold: the error is as large as half the distance to the next root,
+/// or the leading coefficient may be 0.
+std::vector<RootSpread> spreads_of_poles(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                         Uncertainty const& uncertainty);
+std::vector<RootSpread> spreads_of_zeros(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                         Uncertainty const& uncertainty, size_t input);
 
 /// Steady-state gain g = B(1)/A(1) of an input and its standard deviation, dg/db_i = 1/A(1), dg/da_i = -g/A(1). NaN
 /// where A(1) lies within t standard deviations of 0: an integrator.

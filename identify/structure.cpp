@@ -56,8 +56,9 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
         Index const held_out = columns.samples.end() - std::ranges::lower_bound(columns.samples, record.fitted);
         out.choice = choose_order(columns, most, held_out);
         if (out.choice.fits.size() < 2)
-            throw InputError(fmt::format(
-                "{}: the output, the inputs and their past are linearly dependent already at order 1", record.file));
+            throw InputError(fmt::format("{}: {} linearly dependent already at order 1", record.file,
+                                         record.inputs.empty() ? "the past outputs and the constant are"
+                                                               : "the output, the inputs and their past are"));
     }
     out.terms = given ? terms : terms_of(options, out.choice.order);
     out.order = given ? order_of(terms, options.delay) : out.choice.order;
@@ -87,17 +88,22 @@ IdentifyOptions completed(IdentifyOptions o) {
                         fmt::format("--regressors: {}: expected the lags of an input within {} of one another",
                                     text_of(r), longest));
             }
-    } else if (o.inputs.empty())
-        throw InputError(fmt::format(
-            "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
-            "--regressors '{}[k-1..k-3]')",
-            o.output));
+    } else if (o.inputs.empty()) {
+        for (auto const& [option, given] : {std::pair("--nb", !o.nb.empty()), {"--delay", !o.delay.empty()}})
+            if (given)
+                throw InputError(fmt::format("{}: expected --input, too: it counts samples of an input", option));
+        if (o.na && *o.na == 0)
+            throw InputError(
+                "--na: expected 1 or more, or --input, too: without an input y is predicted from its past");
+    }
     if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
     if (o.max_order && (o.order || o.na || !o.nb.empty()))
         throw InputError("--max-order: does not go with --order, --na and --nb");
-    if (o.na && o.nb.empty()) throw InputError("--na: expected --nb, too");
+    if (o.na && o.nb.empty() && !o.inputs.empty()) throw InputError("--na: expected --nb, too");
     if (!o.na && !o.nb.empty()) throw InputError("--nb: expected --na, too");
     if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
+    if (o.sample_time && !(1e-15 <= *o.sample_time && *o.sample_time <= 1e15))
+        throw InputError(fmt::format("--sample-time: expected seconds from 1e-15 to 1e15, found {}", *o.sample_time));
     o.delay = for_each_input("--delay", o.delay, o.inputs.size(), 0);
     if (!o.max_order) o.max_order = 10;
     // The means of a window are not those of the equation: without them a constant remains.
@@ -134,8 +140,9 @@ std::string structure_text(IdentifyOptions const& o, int order) {
     std::string const delay =
         std::ranges::any_of(o.delay, [](int d) { return d > 0; }) ? ", delay " + joined(o.delay) : "";
     if (order > 0 || o.order > 0) return fmt::format("order {}{}", order > 0 ? order : o.order, delay);
-    return o.na ? fmt::format("na = {}, nb = {}{}", *o.na, joined(o.nb), delay)
-                : fmt::format("{} regressors", listed(o).size());
+    if (!o.na) return fmt::format("{} regressors", listed(o).size());
+    return o.inputs.empty() ? fmt::format("na = {}", *o.na)
+                            : fmt::format("na = {}, nb = {}{}", *o.na, joined(o.nb), delay);
 }
 
 Index presample(std::vector<Term> const& terms) {
@@ -148,6 +155,13 @@ int order_of(std::vector<Term> const& terms, std::vector<int> const& delay) {
     int out = 0;
     for (Term const& t : terms) out = std::max(out, t.input >= 0 ? t.lag - delay[size_t(t.input)] : t.lag);
     return out;
+}
+
+int delay_of(std::vector<Term> const& terms, int input) {
+    int out = largest_lag;
+    for (Term const& t : terms)
+        if (t.input == input) out = std::min(out, t.lag);
+    return out == largest_lag ? 0 : out;
 }
 
 Index past_outputs(std::vector<Term> const& terms) {

@@ -28,6 +28,8 @@ std::string structure_text(IdentifyOptions const& options, int order);
 Index presample(std::vector<Term> const& terms);
 /// The longest lag of the output, and of any input past its delay.
 int order_of(std::vector<Term> const& terms, std::vector<int> const& delay);
+/// The shortest lag of an input; 0 if it has no term.
+int delay_of(std::vector<Term> const& terms, int input);
 Index past_outputs(std::vector<Term> const& terms);
 
 /// y[k] = psi' theta: one row for each sample from the longest lag on, without the rows in which a value is missing

@@ -1,6 +1,7 @@
 // The sentences about an identified model. An unknown number is "-".
 #include "identify/text.hpp"
 
+#include "identify/clock.hpp"
 #include "identify/structure.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -20,6 +21,29 @@ std::string list_of(std::vector<std::complex<double>> const& values) {
         else if (z.imag() == 0) parts.push_back(fmt::format("{:.4f}", z.real()));
     return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
+/// "time constant 4.5 samples (sd 0.2), natural frequency 0.1 cycles per sample, damping 0.3".
+std::string modes_text(std::vector<Mode> const& modes, Clock const& clock) {
+    std::vector<std::string> parts;
+    for (Mode const& m : modes) {
+        if (m.pole == 0.0) parts.push_back("a pole at 0, without a time constant");
+        else if (m.pole.imag() > 0)
+            parts.push_back(fmt::format("natural frequency {}, damping {}", clock.frequency_text(m.natural_frequency),
+                                        Clock::text(m.damping, 1, "")));
+        else if (std::isfinite(m.time_constant.value))
+            parts.push_back(fmt::format("time constant {}{}", clock.time_text(m.time_constant),
+                                        m.pole.real() < 0 ? " with changing sign" : ""));
+        else parts.push_back(fmt::format("{:.4g} does not decay", m.pole.real()));
+    }
+    return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+/// "stays within its 5 % lines", "crosses its 5 % line at row 120 (1.19 s)".
+std::string crossing_text(ConstancyPath const& path, Constancy const& c, Clock const& clock) {
+    if (!path.crosses) return "stays within its 5 % lines";
+    return fmt::format("crosses its 5 % line{} at {}", path.surely ? ", and the one at 1 %," : "",
+                       clock.row_text(c.samples[size_t(*path.crosses)] + 1));
+}
+
 std::string tail(double p) { return p == 0 ? "p < 1e-300" : fmt::format("p = {:.3g}", p); }
 
 std::string residual_line(Identified const& m) {
@@ -56,6 +80,11 @@ std::string arithmetic_line(Identified const& m) {
 
 }  // namespace
 
+std::string Clock::text(Uncertain x, double factor, char const* unit) {
+    std::string const space = *unit ? " " : "", sd = number_text(x.sd * factor, 2);
+    return number_text(x.value * factor, 4) + space + unit + (sd == "-" ? "" : fmt::format(" (sd {})", sd));
+}
+
 std::string percent_text(double x) { return std::isfinite(x) ? fmt::format("{:.2f} %", x) : "-"; }
 std::string number_text(double x, int digits) { return std::isfinite(x) ? fmt::format("{:.{}g}", x, digits) : "-"; }
 
@@ -69,13 +98,16 @@ std::vector<std::string> data_lines(Identified const& m) {
     for (size_t j = 0; o.detrend && j < m.means.size(); ++j)
         means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ",
                              printable(j < o.inputs.size() ? o.inputs[j] : o.output), m.means[j]);
-    return {fmt::format("{} samples: {} rows fitted, {} held out{}{}", m.samples, m.fitted, m.held_out,
+    std::string const step = o.sample_time ? fmt::format(", one each {:g} s", *o.sample_time) : "";
+    return {fmt::format("{} samples{}: {} rows fitted, {} held out{}{}", m.samples, step, m.fitted, m.held_out,
                         m.skipped > 0 ? fmt::format("; {} skipped, which miss a value", m.skipped) : "", means),
             fmt::format("{} in double, lambda = {}, prior {}", o.variant, o.forgetting, prior)};
 }
 
 std::vector<std::string> input_lines(Identified const& m) {
     std::vector<std::string> out;
+    if (m.options.inputs.empty())
+        out.push_back(fmt::format("no input: {} is predicted from its own past alone", printable(m.options.output)));
     for (size_t i = 0; i < m.excitation.size(); ++i)
         out.push_back(
             m.excitation[i].order == Index(m.excitation[i].orders.size())
@@ -104,15 +136,20 @@ std::vector<std::string> parameter_names(Identified const& m) {
 
 std::vector<std::string> result_lines(Identified const& m) {
     std::vector<std::string> out;
+    Clock const clock(m.options);
     bool const model = !m.measured.empty();
     if (model) {
         double const size = m.poles.empty() ? 0 : std::abs(m.poles[0]);
         out.push_back("poles: " + list_of(m.poles) +
-                      (0 < size && size < 1
-                           ? fmt::format("; slowest: time constant {:.3g} samples", -1 / correctly::log(size))
-                           : ""));
+                      (0 < size && size < 1 ? fmt::format("; slowest: time constant {:.3g} {}",
+                                                          clock.time(-1 / correctly::log(size)), clock.unit())
+                                            : ""));
+        if (!m.modes.empty()) out.push_back("modes: " + modes_text(m.modes, clock));
         for (size_t j = 0; j < m.zeros.size(); ++j)
             out.push_back(fmt::format("zeros of {}: {}", printable(m.options.inputs[j]), list_of(m.zeros[j])));
+        for (size_t j = 0; j < m.gain.size() && clock.seconds(); ++j)
+            out.push_back(fmt::format("delay of {}: {} ({} samples)", printable(m.options.inputs[j]),
+                                      clock.time_text({double(delay_of(m.terms, int(j)))}), delay_of(m.terms, int(j))));
         for (size_t j = 0; j < m.gain.size(); ++j)
             out.push_back(std::isfinite(m.gain[j])
                               ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]),
@@ -120,9 +157,11 @@ std::vector<std::string> result_lines(Identified const& m) {
                               : fmt::format("steady-state gain of {}: {}", printable(m.options.inputs[j]),
                                             size >= 1 ? "none, a pole lies on or outside the unit circle"
                                                       : "not determined, a pole may lie at 1"));
-        out.push_back(fmt::format(
-            "fit: {} one step ahead; held out: {} one step ahead, {} simulated (0 %: no better than the mean)",
-            percent_text(m.fit_one_step), percent_text(m.held_out_one_step), percent_text(m.held_out_simulated)));
+        std::string const simulated =
+            m.options.inputs.empty() ? "" : fmt::format(", {} simulated", percent_text(m.held_out_simulated));
+        out.push_back(
+            fmt::format("fit: {} one step ahead; held out: {} one step ahead{} (0 %: no better than the mean)",
+                        percent_text(m.fit_one_step), percent_text(m.held_out_one_step), simulated));
     }
     out.push_back(residual_line(m));
     if (model && m.ljung_box.Q > 0) {
@@ -132,6 +171,10 @@ std::vector<std::string> result_lines(Identified const& m) {
                 largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
         out.push_back(line + fmt::format(" (99 % bound {:.2g})", m.bound));
     }
+    if (!m.constancy.samples.empty())
+        out.push_back(fmt::format("constancy: the CUSUM of the recursive residuals {}; that of their squares {}",
+                                  crossing_text(m.constancy.cusum, m.constancy, clock),
+                                  crossing_text(m.constancy.squares, m.constancy, clock)));
     if (m.options.forgetting != 1)
         out.push_back("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here");
     else if (std::isfinite(m.aic))

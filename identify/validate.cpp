@@ -1,7 +1,9 @@
 // Predictions, simulations and residuals of the model.
 #include "identify/validate.hpp"
 
+#include "identify/constancy.hpp"
 #include "identify/outliers.hpp"
+#include "identify/responses.hpp"
 #include "identify/roots.hpp"
 
 #include <algorithm>
@@ -16,6 +18,13 @@ double fit_of(Signal const& y, Signal const& predicted, Index begin, Index end) 
         if (!std::isnan(y[k])) measured.push_back(y[k]), of_measured.push_back(predicted[k]);
     auto const map = [](Signal const& x) { return Eigen::Map<Vector<double> const>(x.data(), Index(x.size())); };
     return measured.empty() ? NAN : fit_percent(map(measured), map(of_measured));
+}
+
+/// y where there is a prediction, NaN elsewhere.
+Signal where_known(Signal y, Signal const& predicted) {
+    for (size_t k = 0; k < y.size(); ++k)
+        if (std::isnan(predicted[k])) y[k] = NAN;
+    return y;
 }
 
 /// Without missing samples; 0 if all are missing.
@@ -101,39 +110,60 @@ Predictions predict(Rows const& rows, Vector<double> const& theta, Index samples
     return out;
 }
 
-/// The fit of a simulation of the held-out part from its own first outputs; NaN if it is too short, or without an
-/// input.
-double simulated_fit(Record const& record, DifferenceEquation const& model, Index first) {
-    if (record.samples - record.fitted <= first || record.inputs.empty()) return NAN;
-    auto const tail = [&](Signal const& x) { return Signal(x.begin() + record.fitted - first, x.end()); };
-    std::vector<Signal> inputs;
-    for (Signal const& u : record.inputs) inputs.push_back(tail(u));
-    Signal const y = tail(record.y);
-    return fit_of(y, simulate_from(model, inputs, y, first), first, Index(y.size()));
+/// Whether every signal has sample k.
+bool known(std::vector<Signal> const& signals, Index k) {
+    return std::ranges::none_of(signals, [&](Signal const& x) { return std::isnan(x[size_t(k)]); });
+}
+
+/// A simulation from the measured outputs of the `lead` samples from `begin` on; NaN before and for these. Where an
+/// input is missing it ends, and begins anew from the next samples that miss nothing.
+Signal simulated_from(Record const& record, DifferenceEquation const& model, Index begin, Index lead) {
+    Signal out(size_t(record.samples), NAN);
+    std::vector<Signal> all = record.inputs;
+    all.push_back(record.y);
+    for (Index from = begin, k = begin; k <= record.samples; ++k) {
+        if (k < std::min(from + lead, record.samples)) {
+            if (!known(all, k)) from = k + 1;
+            continue;
+        }
+        if (k < record.samples && known(record.inputs, k)) continue;
+        auto const part = [&](Signal const& x) { return Signal(x.begin() + from, x.begin() + k); };
+        std::vector<Signal> inputs;
+        for (Signal const& u : record.inputs) inputs.push_back(part(u));
+        Signal const run = simulate_from(model, inputs, part(record.y), lead);
+        for (Index i = lead; i < Index(run.size()); ++i) out[size_t(from + i)] = run[size_t(i)];
+        from = k + 1;
+    }
+    return out;
 }
 
 void set_properties(Validation& out, IdentifyOptions const& options, std::vector<Term> const& terms,
-                    Uncertainty const& uncertainty, double quantile) {
+                    Vector<double> const& theta, Uncertainty const& uncertainty, double quantile) {
     out.poles = poles(out.model);
+    out.pole_spreads = spreads_of_poles(out.model, terms, uncertainty);
+    out.modes = modes_of(out.pole_spreads);
     out.cancellations = cancellations(out.model, terms, uncertainty, options.confidence);
     bool const stable = std::ranges::all_of(out.poles, [](std::complex<double> p) { return std::abs(p) < 1; });
     for (size_t j = 0; j < options.inputs.size(); ++j) {
         out.zeros.push_back(zeros(out.model, j));
+        out.zero_spreads.push_back(spreads_of_zeros(out.model, terms, uncertainty, j));
         auto const [gain, sd] =
             stable ? gain_of(out.model, terms, uncertainty, j, quantile) : std::pair<double, double>(NAN, NAN);
         out.gain.push_back(gain), out.gain_sd.push_back(sd);
     }
+    out.frequencies = response_frequencies(out.poles, out.zeros);
+    Index const length = response_length(out.poles, terms);
+    for (size_t j = 0; j < options.inputs.size(); ++j)
+        out.responses.push_back(
+            response_of(out.model, terms, theta, uncertainty, j, quantile, length, out.frequencies));
 }
 
 void set_errors(Validation& out, Record const& record, Predictions const& of_model, Index first) {
-    Signal measured = record.y;  // where there is a prediction
-    for (size_t k = 0; k < measured.size(); ++k)
-        if (std::isnan(of_model.predicted[k])) measured[k] = NAN;
+    Signal const measured = where_known(record.y, of_model.predicted);
     out.fit_one_step = fit_of(measured, of_model.predicted, first, record.fitted);
     out.held_out_one_step = fit_of(measured, of_model.predicted, record.fitted, record.samples);
     out.fit_error = rms_of(of_model.residuals, first, record.fitted);
     out.held_out_error = rms_of(of_model.residuals, record.fitted, record.samples);
-    out.held_out_simulated = simulated_fit(record, out.model, first);
 }
 
 std::vector<Outlier> outliers_of(Record const& record, Signal const& residuals, Index first, int order) {
@@ -183,18 +213,26 @@ Validation validate(Record const& record, IdentifyOptions const& options, Struct
     if (!theta.allFinite()) return out;
     Index const first = rows.records.presample;
     out.model = equation_of(structure.terms, theta, record.inputs.size());
-    set_properties(out, options, structure.terms, estimation.uncertainty, estimate.quantile);
+    set_properties(out, options, structure.terms, theta, estimation.uncertainty, estimate.quantile);
     Predictions const of_model = predict(rows, theta, record.samples);
     set_errors(out, record, of_model, first);
     double const largest_y = rows.records.y.head(fitted).cwiseAbs().maxCoeff();
     set_residual_tests(out, record, structure, of_model.residuals, fitted, largest_y, estimate.noise_free);
-    Signal const simulated = simulate_from(out.model, record.inputs, record.y, first);
+    if (!estimate.noise_free)
+        out.constancy = constancy(rows.before(record.fitted).records, rows.samples, rounding_alone(fitted, largest_y));
     double const mean = record.means.back();
-    for (size_t k = size_t(first); k < size_t(record.samples); ++k) {
-        out.measured.push_back(record.y[k] + mean);
-        out.one_step.push_back(of_model.predicted[k] + mean);
-        out.simulated.push_back(simulated[k] + mean);
-    }
+    auto const with_mean = [&](Signal x) {
+        x.erase(x.begin(), x.begin() + first);
+        for (double& v : x) v += mean;
+        return x;
+    };
+    out.measured = with_mean(record.y), out.one_step = with_mean(of_model.predicted);
+    if (record.inputs.empty()) return out;
+    out.simulated = with_mean(simulated_from(record, out.model, 0, first));
+    if (record.samples - record.fitted <= first) return out;  // too short
+    Signal const held_out = simulated_from(record, out.model, record.fitted - first, first);
+    out.held_out_simulated = fit_of(where_known(record.y, held_out), held_out, record.fitted, record.samples);
+    out.simulated_held_out = with_mean(held_out);
     return out;
 }
 

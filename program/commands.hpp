@@ -32,6 +32,11 @@ void define_seed(CLI::App& command, std::uint64_t& seed, char const* help);
 CLI::Option* define_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
                           char const* type = "A,B");
 
+/// Of FILE, of every command that leaves out rows that miss a value.
+inline constexpr char file_with_missing_values[] =
+    "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing "
+    "values, and rows that miss one are skipped";
+
 /// --separator and --decimal, of every command that reads a file.
 void define_format(CLI::App& command, CsvFormat& format);
 

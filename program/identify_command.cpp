@@ -233,7 +233,8 @@ Command identify_command(CLI::App& app) {
         "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
         "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
         "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n"
-        "A series alone:           rlslab identify data.csv --output y --regressors 'y[k-1..k-3]'\n"
+        "A series alone:           rlslab identify data.csv --output y --order 3\n"
+        "In seconds and hertz:     rlslab identify data.csv --input u --output y --sample-time 0.01 --out model\n"
         "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 "
         "--out model\n\n"
         "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise "
@@ -245,15 +246,13 @@ Command identify_command(CLI::App& app) {
         "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
         "record that do not "
         "make sense.");
-    c->add_option("FILE", a->file,
-                  "CSV file (-: standard input), plain or by gzip, or MATLAB's; rows that miss a value are skipped")
-        ->required()
-        ->type_name("");
+    c->add_option("FILE", a->file, file_with_missing_values)->required()->type_name("");
     define_format(*c, a->format);
     auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
         return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
     };
-    list("--input", a->options.inputs, "U[,V]", "column of the input, or several");
+    list("--input", a->options.inputs, "U[,V]",
+         "column of the input, or several; none: y is predicted from its own past");
     c->add_option("--output", a->options.output, "column of the output")->required()->type_name("COLUMN");
     c->add_option("--order", a->options.order, "na = nb = N instead of a choice")->check(whole(1, 200))->type_name("N");
     c->add_option("--max-order", a->options.max_order, "the largest order to choose from; default 10")
@@ -266,6 +265,10 @@ Command identify_command(CLI::App& app) {
         ->check(whole(0, 200));
     list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")
         ->check(whole(0, 100000));
+    c->add_option("--sample-time", a->options.sample_time,
+                  "seconds from one sample to the next: times in seconds, frequencies in hertz; default: in samples")
+        ->check(real("seconds from 1e-15 to 1e15", [](double x) { return 1e-15 <= x && x <= 1e15; }))
+        ->type_name("T");
     list("--regressors", a->options.regressors, "A,B",
          "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")

@@ -34,13 +34,7 @@ std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
 }  // namespace
 
 void define_record(CLI::App& command, RecordArguments& a) {
-    CLI::Option* const file =
-        command
-            .add_option("FILE", a.file,
-                        "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and "
-                        "? are missing values")
-            ->required()
-            ->type_name("");
+    CLI::Option* const file = command.add_option("FILE", a.file, file_with_missing_values)->required()->type_name("");
     define_format(command, a.format);
     define_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
     CLI::Option* const output =

@@ -1,5 +1,6 @@
 # Writes lm.json, R's answers to what tests/identify/lm.cpp asks: coefficients and standard errors of lm on the program's
-# examples; of five of their columns the least eigenvalue of the mean of v v', v = (x[k], ..., x[k-n+1]), and the
+# examples, and the sums of the recursive residuals of these models and of their squares, at the quarters of the rows,
+# with the first row at which |sum| is outside 0.948 sqrt(m) (1 + 2 r/m), 0 if none; of five of their columns the least eigenvalue of the mean of v v', v = (x[k], ..., x[k-n+1]), and the
 # condition number of the rows v'; outputs of five systems of which `rlslab simulate` wrote u and y.
 # In the folder of `rlslab example NAME > NAME.csv` and `rlslab simulate WORDS > system_N.csv`, the words of that test:
 # R --vanilla --slave -f lm.R > lm.json
@@ -13,9 +14,22 @@ models <- list(
   airquality = lm(Ozone ~ Solar.R + Wind + Temp, read.csv("airquality.csv")),
   longley = lm(y ~ x1 + x2 + x3 + x4 + x5 + x6, read.csv("longley.csv")))
 list_of <- function(x) paste(sprintf("%.17g", x), collapse = ", ")
+constancy <- function(model) {
+  X <- model.matrix(model); y <- model.response(model.frame(model)); d <- ncol(X); m <- nrow(X) - d
+  w <- vapply(d + seq_len(m), function(k) {
+    before <- lm.fit(X[seq_len(k - 1), ], y[seq_len(k - 1)], tol = 1e-14)
+    r <- backsolve(qr.R(before$qr), X[k, before$qr$pivot], transpose = TRUE)
+    (y[k] - sum(X[k, ] * before$coefficients)) / sqrt(1 + sum(r^2))
+  }, 0)
+  W <- cumsum(w) / sqrt(sum(w^2) / m); s <- cumsum(w^2) / sum(w^2); r <- seq_len(m); at <- ceiling(m * (1:4) / 4)
+  outside <- which(abs(W) > 0.948 * sqrt(m) * (1 + 2 * r / m))
+  sprintf('"cusum": [%s], "squares": [%s], "crosses": %d, "off": %.17g', list_of(W[at]), list_of(s[at]),
+          if (length(outside)) outside[1] else 0L, max(abs(s - r / m)))
+}
 one <- function(name) {
   table <- summary(models[[name]])$coefficients
-  sprintf('"%s": {"value": [%s], "sd": [%s]}', name, list_of(table[, 1]), list_of(table[, 2]))
+  sprintf('"%s": {"value": [%s], "sd": [%s], %s}', name, list_of(table[, 1]), list_of(table[, 2]),
+          constancy(models[[name]]))
 }
 excitation <- function(x) {
   rows <- lapply(1:5, embed, x = x)

@@ -40,6 +40,31 @@ TEST_P(Lm, HasTheEstimateAndTheStandardErrorsOfR) {
         EXPECT_NEAR(parameters[i].at("sd").get<double>(), sd, most * sd) << i;
     }
 }
+/// The recursive residuals from R's fits of all rows before each. With condition number 5e9 the first fits of longley
+/// have few digits.
+TEST_P(Lm, HasTheSumsOfTheRecursiveResidualsOfR) {
+    auto const [example, words, most] = GetParam();
+    json const expected = answers_of_r().at(example);
+    Outcome const run = shell("rlslab example " + std::string(example) + " | rlslab identify - " + words +
+                              " --intercept --keep-mean --validate 0 --json --no-timings");
+    ASSERT_NE(run.code, 2) << run.err;
+    json const constancy = json::parse(run.out).at("constancy"), cusum = constancy.at("cusum"),
+               squares = constancy.at("cusum_of_squares");
+    size_t const m = constancy.at("recursive_residuals").size();
+    for (size_t i = 1; i <= 4; ++i) {
+        size_t const at = (m * i + 3) / 4 - 1;
+        EXPECT_NEAR(cusum.at("value")[at].get<double>(), expected.at("cusum")[i - 1].get<double>(), most) << i;
+        EXPECT_NEAR(squares.at("value")[at].get<double>(), expected.at("squares")[i - 1].get<double>(), most) << i;
+    }
+    size_t const crosses = expected.at("crosses");
+    json const row = crosses == 0 ? json() : constancy.at("rows")[crosses - 1];
+    EXPECT_EQ(cusum.at("crosses_at_row"), row);
+    double off = 0;
+    for (size_t k = 0; k < m; ++k)
+        off = std::max(off, std::abs(squares.at("value")[k].get<double>() - double(k + 1) / double(m)));
+    EXPECT_NEAR(off, expected.at("off").get<double>(), most);
+    EXPECT_EQ(squares.at("crosses_at_row").is_null(), off <= constancy.at("c0").get<double>());
+}
 INSTANTIATE_TEST_SUITE_P(Examples, Lm,
                          testing::Values(Model{"sales", "--input lead --output sales --order 2", 1e-10},
                                          Model{"consumption", "--input income --output consumption --order 2", 1e-10},

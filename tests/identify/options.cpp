@@ -91,8 +91,13 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
     EXPECT_THAT(refusal({.regressors = {"w[k-1]"}}), Names("data.csv w"));
     EXPECT_THAT(refusal({.inputs = {"u", "u"}}), Names("data.csv u"));
     EXPECT_THAT(refusal({.inputs = {"y"}}), Names("data.csv y"));
-    EXPECT_THAT(message_of([&] { identify::identify(file, {.output = "y"}); }),
-                Names("--input --regressors y[k-1..k-3]"));
+    auto const without_input = [&](IdentifyOptions options) {
+        options.output = "y";
+        return message_of([&] { identify::identify(file, options); });
+    };
+    EXPECT_THAT(without_input({.na = 1, .nb = {1}}), Names("--nb --input"));
+    EXPECT_THAT(without_input({.order = 1, .delay = {1}}), Names("--delay --input"));
+    EXPECT_THAT(without_input({.na = 0}), Names("--na 1 --input"));
     EXPECT_THAT(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }), Names("--output"));
 }
 TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
@@ -106,7 +111,9 @@ TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
                                                           {"--regressors ''", "--regressors"},
                                                           {"--regressors 'u[k+1]'", "--regressors u[k+1]"},
                                                           {"--regressors 'u[k-1],u[k-1]'", "--regressors u[k-1]"},
-                                                          {"--order 1", "--input"},
+                                                          {"--nb 1", "--nb --input"},
+                                                          {"--order 2 --delay 1", "--delay --input"},
+                                                          {"--na 0", "--na 1 --input"},
                                                           {"--input u --order 2 --na 2 --nb 2", "--order --na --nb"}}) {
         Outcome const run = program("data.csv --output y " + words);
         EXPECT_EQ(run.code, 2) << words;

@@ -1,7 +1,5 @@
 // Records that identify takes although something is not there: rows that miss a value, and series without an input.
-#include "identify/structure.hpp"
-#include "identify/text.hpp"
-#include "tests/common/files.hpp"
+#include "tests/identify/options.hpp"
 
 #include <rlslab/model/fit.hpp>
 #include <rlslab/model/lags.hpp>
@@ -47,6 +45,73 @@ TEST_F(IdentifyRecords, PastOutputsAloneAreAModel) {
     for (Index i = 0; i < 3; ++i)
         EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
     EXPECT_THAT(as_page(m), HasSubstr("figure id=\"poles\""));
+}
+/// An order, na, and the list of past outputs are one model; every output names it without an input.
+TEST_F(IdentifyRecords, WithoutAnInputAnOrderIsOneOfPastOutputs) {
+    auto const run = [&](IdentifyOptions options) {
+        options.output = "y";
+        return identify::identify(file, options);
+    };
+    Identified const by_order = run({.order = 3}), by_na = run({.na = 3}),
+                     by_list = run({.regressors = {"y[k-1..k-3]"}});
+    ASSERT_EQ(by_order.parameters.size(), 4u);
+    for (size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(by_order.parameters[i].value, by_list.parameters[i].value);
+        EXPECT_EQ(by_na.parameters[i].value, by_list.parameters[i].value);
+        EXPECT_EQ(by_na.parameters[i].sd, by_list.parameters[i].sd);
+    }
+    EXPECT_EQ(by_order.structure, "order 3");
+    EXPECT_EQ(by_na.structure, "na = 3");
+    std::string const table = as_table(by_order), page = as_page(by_order);
+    EXPECT_THAT(table, HasSubstr("no input: y is predicted from its own past alone"));
+    for (std::string const& text : {table, page}) EXPECT_THAT(text, testing::Not(HasSubstr("simulated")));
+    EXPECT_THAT(page, testing::Not(HasSubstr("figure id=\"step\"")));
+    nlohmann::json const json = nlohmann::json::parse(as_json(by_order));
+    EXPECT_TRUE(json["inputs"].empty() && json["output"]["simulated"].is_null());
+    EXPECT_EQ(json["modes"].size(), by_order.modes.size());
+}
+/// Of a known series of order 2 the order is found, and its parameters lie within their intervals.
+TEST_F(IdentifyRecords, WithoutAnInputAnOrderIsChosen) {
+    Signal const e = white_noise(900, Seed{5});
+    Signal series = e;
+    for (size_t k = 2; k < series.size(); ++k) series[k] += 1.2 * series[k - 1] - 0.6 * series[k - 2];
+    std::string text = "y";
+    for (double const v : series) text += fmt::format("\n{}", v);
+    std::string const of_series = folder.file(text + '\n', "series.csv");
+    for (bool const detrend : {true, false}) {
+        Identified const m = identify::identify(of_series, {.output = "y", .max_order = 6, .detrend = detrend});
+        EXPECT_EQ(m.order, 2);
+        EXPECT_EQ(m.choice.fits.size(), 7u);
+        EXPECT_EQ(m.choice.fits[0].parameters, Index(detrend));
+        EXPECT_EQ(m.choice.static_p, 1) << "nothing but the constant";
+        EXPECT_NEAR(m.parameters[0].value, -1.2, 4 * m.parameters[0].sd);
+        EXPECT_NEAR(m.parameters[1].value, 0.6, 4 * m.parameters[1].sd);
+        EXPECT_NEAR(m.choice.fits[2].J, m.sigma2 * m.freedom, 0.1 * m.choice.fits[2].J) << "of fewer rows";
+    }
+    Identified const noise = identify::identify(file, {.output = "u"});
+    EXPECT_THAT(noise.warnings(), testing::Contains(HasSubstr("the past of u predicts nothing")));
+}
+/// A simulation stops where an input is missing and begins anew from measured outputs; it is as good as without gaps.
+TEST_F(IdentifyRecords, ASimulationGoesOnBehindAMissingInput) {
+    Signal gaps = u;
+    gaps[230] = gaps[260] = NAN;
+    std::string text = "u,y";
+    for (size_t k = 0; k < u.size(); ++k)
+        text += fmt::format("\n{},{}", std::isnan(gaps[k]) ? "NA" : fmt::format("{}", gaps[k]), y[k]);
+    IdentifyOptions const options{.inputs = {"u"}, .output = "y", .order = 1, .detrend = false};
+    Identified const whole = identify::identify(file, options),
+                     m = identify::identify(folder.file(text + '\n', "gaps.csv"), options);
+    ASSERT_EQ(values(m), values(whole));
+    ASSERT_TRUE(std::isfinite(m.held_out_simulated));
+    for (size_t k = 199; k < 299; ++k) {  // measured begins with sample 1
+        bool const gap = k + 1 == 230 || k + 1 == 231 || k + 1 == 260 || k + 1 == 261;
+        EXPECT_EQ(std::isnan(m.simulated_held_out[k]), gap) << k;
+        if (k + 1 < 230) {
+            EXPECT_EQ(m.simulated_held_out[k], whole.simulated_held_out[k]);
+        }
+    }
+    double const theta_y = m.parameters[0].value, b0 = m.parameters[1].value, b1 = m.parameters[2].value;
+    EXPECT_NEAR(m.simulated_held_out[231], b0 * u[232] + b1 * u[231] - theta_y * y[231], 1e-12) << "from sample 231";
 }
 /// Rows that miss a value are left out of the fit, of the orders and of what is tracked, and keep their places.
 TEST_F(IdentifyRecords, MissingValuesAreSkipped) {

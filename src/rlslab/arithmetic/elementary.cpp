@@ -48,5 +48,6 @@ double pow(double x, double y) { return of(&mpfr_pow, x, y); }
 double hypot(double x, double y) { return of(&mpfr_hypot, x, y); }
 double cos(double x) { return of(&mpfr_cos, x); }
 double sin(double x) { return of(&mpfr_sin, x); }
+double atan2(double y, double x) { return of(&mpfr_atan2, y, x); }
 
 }  // namespace rlslab::correctly

@@ -16,5 +16,6 @@ double pow(double x, double y);
 double hypot(double x, double y);
 double cos(double x);
 double sin(double x);
+double atan2(double y, double x);
 
 }  // namespace rlslab::correctly
