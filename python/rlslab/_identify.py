@@ -118,7 +118,7 @@ def identify(
         )
         return _program.run(["identify", "-", *words], csv, ("model.json", "model.html"))
 
-    return Identification(ask, confidence)
+    return Identification(ask, confidence, names)
 
 
 def _each(given: Lags, name: str) -> list[int]:
@@ -157,9 +157,9 @@ class Identification:
         The page of HTML with all figures.
     """
 
-    def __init__(self, ask: Callable[[float], _program.Answer], confidence: float) -> None:
+    def __init__(self, ask: Callable[[float], _program.Answer], confidence: float, inputs: list[str]) -> None:
         answer = ask(confidence)
-        self._ask, self._confidence = ask, confidence
+        self._ask, self._confidence, self._inputs = ask, confidence, inputs
         self._text = answer.text.rpartition("\n\n")[0] + "\n"    # the last line names the folder
         self._all: Record = json.loads(answer.files["model.json"])
         self.page = answer.files["model.html"]
@@ -185,7 +185,7 @@ class Identification:
         if not 0 < alpha < 1:
             raise ValueError("expected 0 < alpha < 1")
         of = self._all
-        if alpha != 1 - self._confidence:
+        if abs(alpha - (1 - self._confidence)) > 1e-12:
             of = json.loads(self._ask(1 - alpha).files["model.json"])
         return np.column_stack([_column(of["parameters"], end) for end in ("low", "high")])
 
@@ -208,9 +208,9 @@ class Identification:
         inputs = np.empty((len(output), 0)) if u is None else _program.columns(u, "u")[0]
         means = {one["name"]: one["mean"] for one in self._all["inputs"]}
         name = self._all["options"]["output"]
-        if output.shape[1] != 1 or inputs.shape != (len(output), len(means)):
-            raise ValueError(f"expected y of shape (n,) and u of shape (n, {len(means)})")
-        known = {one: inputs[:, j] - mean for j, (one, mean) in enumerate(means.items())}
+        if output.shape[1] != 1 or inputs.shape != (len(output), len(self._inputs)):
+            raise ValueError(f"expected y of shape (n,) and u of shape (n, {len(self._inputs)})")
+        known = {one: inputs[:, self._inputs.index(one)] - mean for one, mean in means.items()}
         known[name] = output[:, 0] - self._all["output_mean"]
         terms = [_term(p["of"]) for p in self._all["parameters"]]
         first = max((lag for _, lag in terms), default=0)

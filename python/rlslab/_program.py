@@ -90,7 +90,11 @@ def _child(command: list[str], data: str) -> Answer:
 
 def _in_python(line: str) -> str:
     """A message of the program with the names of options as Python has them."""
-    return re.sub(r"--([a-z][a-z0-9-]*)", lambda o: _OPTIONS.get(o[1], o[1].replace("-", "_")), line)
+
+    def name(found: re.Match[str]) -> str:
+        return _OPTIONS.get(found[1], found[1].replace("-", "_")) if found[1] else found[0]
+
+    return re.sub(r'"[^"]*"|--([a-z][a-z0-9-]*)', name, line)    # what is quoted is the user's
 
 
 def options(**given: Any) -> list[str]:
@@ -102,9 +106,9 @@ def options(**given: Any) -> list[str]:
             words.append(option)
         elif isinstance(value, (list, tuple)):
             if value:
-                words += [option, ",".join(map(word, value))]
+                words.append(f"{option}={','.join(map(word, value))}")
         elif value is not None and value is not False:
-            words += [option, word(value)]
+            words.append(f"{option}={word(value)}")
     return words
 
 
@@ -127,6 +131,8 @@ def named(name: Any) -> str:
     """A name; TypeError for anything else."""
     if not isinstance(name, str):
         raise TypeError(f"expected a name, not {type(name).__name__}")
+    if name.startswith("-"):
+        raise ValueError(f"{word(name)!r} is an option, not a name")
     return word(name)
 
 

@@ -16,13 +16,13 @@ Values = Union[str, float, Iterable[Any]]
 
 
 def _factors(given: Mapping[str, Values] | None, option: str) -> list[str]:
-    """Words "--set NAME=A,B" for each."""
+    """Words "--set=NAME=A,B" for each."""
     words = []
     for name, values in (given or {}).items():
         listed: list[Any] = [values] if isinstance(values, str) or not isinstance(values, Iterable) else list(values)
         if name == "arithmetic":
             listed = list(_program.arithmetics(listed))
-        words += [option, f"{_program.named(name)}={','.join(map(_program.word, listed))}"]
+        words.append(f"{option}={_program.named(name)}={','.join(map(_program.word, listed))}")
     return words
 
 

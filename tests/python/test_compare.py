@@ -171,6 +171,8 @@ def test_what_is_refused():
         lambda: rlslab.compare(X, y, digits=99),
         lambda: rlslab.compare(X, y, digits=True),
         lambda: rlslab.compare(X, y, variants="udd"),
+        lambda: rlslab.compare(X, y, variants="--help"),
+        lambda: rlslab.compare(X, y, guard="--help"),
         lambda: rlslab.compare(X, y, variants=[3]),
         lambda: rlslab.compare(X, y, window=-1),
         lambda: rlslab.compare(X, y, window=3.5),
@@ -227,7 +229,7 @@ def test_pandas():
     assert c.names == ["slope", "level"] and "out[k] = psi'theta" in c.code
     table = c.to_pandas()
     assert len(table) == len(c.records) and table.loc[table["recommended"], "variant"].iloc[0] == c.best["variant"]
-    for names in (["a b", "c"], ["a", "a"], [0, 1], ["y", "out"], ["nan", "x"], ["1", "2"], ["a\nb", 'c"']):
+    for names in (["größe", "Δ"], ["a b", "c"], ["a", "a"], [0, 1], ["y", "out"], ["nan", "x"], ["1", "2"], ["a\nb", 'c"']):
         odd = rlslab.compare(pandas.DataFrame(X, columns=names), pandas.Series(y, name="out"), **QUICK)
         assert odd.records == c.records
 

@@ -60,6 +60,10 @@ def test_what_is_refused():
         lambda: rlslab.sweep(X, y, {"order": [1, 2]}),
         lambda: rlslab.sweep(X, y[:3], {}),
         lambda: rlslab.cite("udd"),
+        lambda: rlslab.cite("--help"),
+        lambda: rlslab.study("--help"),
+        lambda: rlslab.study("../gain_identities"),
+        lambda: rlslab.study("gain_identities", set={"--out": 1}),
         lambda: rlslab.cite(3),
     ):
         refuses(call, most=1000)
