@@ -149,6 +149,9 @@ class Identification:
         Steady state, of each input; NaN: there is none.
     fit : dict
         Percent: one_step, held_out_one_step, held_out_simulated.
+    resid_recursive, cusum, cusum_squares : ndarray
+        Recursive residuals of the fitted rows, their sums over their standard deviation, and the sums of their squares
+        over the last of these; empty: not known. `to_dict()["constancy"]` has their lines at 5 %.
     remarks : list of str
         Warnings, then hints, the most important first.
     next : str
@@ -177,6 +180,10 @@ class Identification:
         self.zeros = [_complex(one["zeros"]) for one in of["inputs"]]
         self.gain = _column(of["inputs"], "gain")
         self.fit: dict[str, float] = {name: _known(value) for name, value in of["fit"].items()}
+        constancy = of.get("constancy") or {}
+        self.resid_recursive = _numbers(constancy.get("recursive_residuals"))
+        self.cusum = _numbers(constancy.get("cusum", {}).get("value"))
+        self.cusum_squares = _numbers(constancy.get("cusum_of_squares", {}).get("value"))
         self.remarks: list[str] = of["warnings"] + of["hints"]
         self.next: str = of["next"]
 
@@ -248,8 +255,12 @@ def _known(value: float | None) -> float:
     return np.nan if value is None else value
 
 
+def _numbers(values: Sequence[float | None] | None) -> Floats:
+    return np.array([_known(value) for value in values or ()], dtype=np.float64)
+
+
 def _column(rows: list[Record], name: str) -> Floats:
-    return np.array([_known(row[name]) for row in rows], dtype=np.float64)
+    return _numbers([row[name] for row in rows])
 
 
 def _complex(pairs: list[list[float | None]] | None) -> NDArray[np.complex128]:

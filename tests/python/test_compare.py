@@ -229,7 +229,8 @@ def test_pandas():
     assert c.names == ["slope", "level"] and "out[k] = psi'theta" in c.code
     table = c.to_pandas()
     assert len(table) == len(c.records) and table.loc[table["recommended"], "variant"].iloc[0] == c.best["variant"]
-    for names in (["größe", "Δ"], ["a b", "c"], ["a", "a"], [0, 1], ["y", "out"], ["nan", "x"], ["1", "2"], ["a\nb", 'c"']):
+    odd_names = [["größe", "Δ"], ["a b", "c"], ["a", "a"], [0, 1], ["y", "out"], ["nan", "x"], ["1", "2"]]
+    for names in (*odd_names, ["a\nb", 'c"']):
         odd = rlslab.compare(pandas.DataFrame(X, columns=names), pandas.Series(y, name="out"), **QUICK)
         assert odd.records == c.records
 

@@ -11,6 +11,7 @@ from test_input import SAME, refuses
 
 import rlslab
 from rlslab import _program
+from rlslab.results import RecursiveLS
 
 
 def record(n=400, seed=3, inputs=1):
@@ -72,7 +73,8 @@ def test_the_words_of_statsmodels():
 @pytest.mark.parametrize(
     "options",
     [{"order": 2}, {"na": 2, "nb": [0, 1], "delay": [1, 2], "intercept": True}, {"order": 1, "detrend": False},
-     {"regressors": ["y[k-1..k-2]", "u2[k-1]", "u1[k-3]"]}, {"regressors": ["u2[k-1]", "y[k-2]"]}, {"order": 2, "variant": "qr", "forgetting": 0.99},
+     {"regressors": ["y[k-1..k-2]", "u2[k-1]", "u1[k-3]"]}, {"regressors": ["u2[k-1]", "y[k-2]"]},
+     {"order": 2, "variant": "qr", "forgetting": 0.99},
      {"order": 2, "prior_variance": 100.0}],
     ids=str,
 )  # fmt: skip
@@ -87,6 +89,20 @@ def test_a_running_filter(options):
     f.update_many(Psi[m.nobs :], outputs[m.nobs :])
     assert not same(f.theta, m.params) and f.health == "sound"
     assert m.filter(forgetting=0.9)._made["forgetting"] == 0.9
+
+
+def test_constancy():
+    """The recursive residuals are those of rlslab.results, row by row, where the program has them."""
+    y, u = record()
+    m = rlslab.identify(y, u, order=2)
+    known = "constancy" in m.to_dict()
+    Psi, outputs = m.rows(y, u)
+    r = RecursiveLS(outputs[: m.nobs], Psi[: m.nobs])
+    n = len(m.params)
+    assert len(m.resid_recursive) == len(m.cusum) == len(m.cusum_squares) == (m.nobs - n if known else 0)
+    assert np.allclose(m.resid_recursive, r.resid_recursive[n:][: len(m.resid_recursive)], rtol=1e-9, atol=1e-12)
+    assert np.allclose(m.cusum_squares, r.cusum_squares[: len(m.cusum_squares)], rtol=1e-9)
+    assert np.allclose(m.cusum, r.cusum[: len(m.cusum)], rtol=0.01)    # another estimate of the deviation
 
 
 def test_a_series_alone_and_missing_values():
