@@ -11,6 +11,7 @@
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
 #   python    the Python package (python/CMakeLists.txt)
+#   python_reference   its extension for the certified solution, which needs the core's libraries
 # One export per component, so that a consumer of the headers is never asked for Arb or SuiteSparse.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)

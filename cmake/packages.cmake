@@ -93,7 +93,7 @@ rlslab-c, rlslab-native, rlslab-core).")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rlslab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-sklearn)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "rlslab, python3-sklearn, python3-pandas, python3-matplotlib")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/python3-rlslab/prerm)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Recursive least squares in Python: every textbook variant in float32 and

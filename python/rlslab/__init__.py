@@ -8,6 +8,12 @@
 
 `help(rlslab.Filter)` has the options, `help(rlslab.Ud)` the formulas of a variant. `variants()`, `arithmetics()`,
 `guards()` and `controls()` list the names. `rlslab.sklearn` has an estimator for scikit-learn.
+
+    rlslab.compare(Psi, y, digits=3)              # which variant, in which arithmetic; .best, .code, .filter()
+    rlslab.identify(y, u)                         # a model with its uncertainty; .params, .bse, .conf_int()
+    rlslab.certified(Psi, y).digits(f.theta)      # the exact solution, with a proven bound
+
+These and `excitation`, `study`, `sweep` and `cite` run the program `rlslab`, `certified` an extension of its own.
 """
 
 from __future__ import annotations
@@ -15,8 +21,12 @@ from __future__ import annotations
 from typing import Any
 
 from . import _options, _variants
+from ._certified import Certified, certified
+from ._compare import Comparison, compare
 from ._core import Counts, Step, controls, guards, variants
 from ._filter import HEALTHS, SIGNALS, STEP, Filter, Path
+from ._identify import Excitation, Identification, excitation, identify
+from ._studies import Study, Sweep, cite, study, sweep
 from ._variants import *  # noqa: F403
 from ._variants import VERSION as __version__
 from .fleet import Fleet
@@ -87,6 +97,7 @@ def load(path: Path) -> Filter:
 
 
 __all__ = [
-    "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Counts", "Filter", "Fleet", "Step", "arithmetics", "controls", "filter",
-    "guards", "load", "variants", *_variants.__all__,
+    "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certified", "Comparison", "Counts", "Excitation", "Filter", "Fleet",
+    "Identification", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls", "excitation",
+    "filter", "guards", "identify", "load", "study", "sweep", "variants", *_variants.__all__,
 ]  # fmt: skip

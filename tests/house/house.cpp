@@ -107,7 +107,7 @@ std::vector<Folder> const house{
     {"src/rlslab", {"src/rlslab/many", "variants"}},
     {"catalogue/native", {"src/rlslab/many", "variants"}},
     {"catalogue", {"catalogue/native", "src/rlslab/model"}},
-    {"python", {"catalogue/native"}},
+    {"python", {"catalogue/native", "src/rlslab/reference"}},
     {"report", {"src/rlslab/core"}},
     {"compare", {"catalogue", "report"}},
     {"identify", {"catalogue", "report", "src/rlslab/input/formats"}},

@@ -27,6 +27,17 @@ g: rlslab.Ud = f.copy()
 h: rlslab.Filter = rlslab.filter("qr", 3, dtype="float32")
 fleet = rlslab.Fleet("ud", filters=3, size=2)
 missing: int = fleet.update(np.zeros((3, 2)), np.zeros(3))
+c: rlslab.Comparison = rlslab.compare(np.zeros((3, 4)), [1, 2, 3], digits=3, arithmetics="float32", control=("ridge",))
+again: rlslab.Filter = c.filter(guard="reset")
+names: list[str] = [str(record["variant"]) for record in c.records] + c.warnings
+m = rlslab.identify(np.zeros(9), np.zeros((9, 2)), na=2, nb=[1, 2], delay=1)
+width = float(np.ptp(m.conf_int(0.1)[0])) + m.scale + float(abs(m.poles).max())
+exact = rlslab.certified(np.zeros((3, 4)), np.zeros(3), forgetting=0.9, prior_variance=1.0)
+digits: float = exact.digits(m.params) + float(exact.theta[0])
+order: int = rlslab.excitation(np.zeros(9), max_order=3).order
+rows = rlslab.sweep(np.zeros((3, 4)), np.zeros(3), {"forgetting": [0.9, 1], "prior": "scaled"}).records
+verdicts = rlslab.study("choose", set={"kappa": 10}, out="folder").verdicts
+text: str = rlslab.cite("ud") + c.code + c.table() + m.summary()
 """
 WRONG = """
 import rlslab
@@ -35,6 +46,9 @@ f = rlslab.Ud(4, colour="red")
 f.theta = 3
 n: int = f.update([1.0], 2.0).health
 rlslab.Udd(3)
+rlslab.compare([[1.0]], [1.0], digit=3)
+rlslab.certified([[1.0]], [1.0]).theta = 3
+x: int = rlslab.identify([1.0]).params
 """
 
 
@@ -53,4 +67,4 @@ def test_wrong_programs_are_found(tmp_path):
     (tmp_path / "wrong.py").write_text(WRONG)
     done = mypy("wrong.py", cwd=tmp_path)
     lines = {int(line.split(":")[1]) for line in done.stdout.splitlines() if ": error: " in line}
-    assert lines == {4, 5, 6, 7}
+    assert lines == {4, 5, 6, 7, 8, 9, 10}
