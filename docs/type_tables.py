@@ -24,13 +24,13 @@ sections = [
                        "Assessed AssessedOptions Interval"), ("src/rlslab/adapt/hand_over.hpp", "Relay RelayOptions"),
                       ("src/rlslab/adapt/delay_line.hpp", "DelayLine"),
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
-    ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet"), ("src/rlslab/many/fold_all.hpp",
-                                  "RowsInMemory"), ("src/rlslab/input/row_file.hpp", "RowFile")]),
+    ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet FleetSteps FleetCounts"),
+                                 ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
+                                 ("src/rlslab/input/row_file.hpp", "RowFile")]),
     ("By name", [("catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
 ]
 left_out = """
-BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber NumbersOfLanes
-LanesPutBack RecordSize RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding
+BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding
 """.split()
 
 
