@@ -26,14 +26,14 @@ sections = [
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
     ("Coloured noise", [("src/rlslab/adapt/extended_least_squares.hpp", "ExtendedLeastSquares"),
                         ("src/rlslab/adapt/instrumental_variables.hpp", "InstrumentalVariables")]),
-    ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet"), ("src/rlslab/many/fold_all.hpp",
-                                  "RowsInMemory"), ("src/rlslab/input/row_file.hpp", "RowFile")]),
+    ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet FleetSteps FleetCounts"),
+                                 ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
+                                 ("src/rlslab/input/row_file.hpp", "RowFile")]),
     ("By name", [("catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
 ]
 left_out = """
-BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber NumbersOfLanes
-LanesPutBack RecordSize RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding FilterEach SharedFilter
-OfOneRegressor
+BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
+RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding FilterEach SharedFilter OfOneRegressor
 """.split()
 
 

@@ -1,73 +1,51 @@
 // Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
 #pragma once
 
-#include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/many/fleet_records.hpp>
 #include <rlslab/many/threads.hpp>
 
 namespace rlslab {
 
-namespace detail {
-/// What a filter over packs holds for each lane, in the order of its state.
-template <class P>
-struct NumbersOfLanes : Silent {
-    using Count = Lanes<Index, P::lanes>;
-    std::vector<P> numbers = {};
-    std::vector<typename P::Mask> truths = {};
-    std::vector<Count> counts = {};
-    void number(P const& x) { numbers.push_back(x); }
-    void number(typename P::Mask const& x) { truths.push_back(x); }
-    void number(Count const& x) { counts.push_back(x); }
-    template <class X>
-    void number(X const&) {}
-    void clear() { numbers.clear(), truths.clear(), counts.clear(); }
-};
-/// Puts it back in the lanes of the mask.
-template <class P>
-struct LanesPutBack : Silent {
-    typename P::Mask mask;
-    P const* number_at;
-    typename P::Mask const* truth_at;
-    Lanes<Index, P::lanes> const* count_at;
-    LanesPutBack(NumbersOfLanes<P> const& from, typename P::Mask const& lanes)
-        : mask(lanes), number_at(from.numbers.data()), truth_at(from.truths.data()), count_at(from.counts.data()) {}
-    void number(P& x) { x = select(mask, *number_at++, x); }
-    void number(typename P::Mask& x) { x = (mask && *truth_at++) || (!mask && x); }
-    void number(Lanes<Index, P::lanes>& x) { x = select(mask, *count_at++, x); }
-    template <class X>
-    void number(X const&) {}
+/// What an update of a fleet reports of each of its M filters, as arrays of M. Made once, and filled by each update.
+template <Real T>
+struct FleetSteps {
+    Vector<T> innovation, residual, gamma;  ///< as Step's; NaN where no sample was taken
+    std::vector<Health> health;             ///< of the step; nonfinite where no sample was taken
+    std::vector<std::uint8_t> taken;        ///< 1; 0 where the sample was missing, or the filter was removed
+
+    explicit FleetSteps(Index filters) { resize(filters); }
+    Index filters() const { return innovation.size(); }
+    /// After add(). What was reported before is lost.
+    void resize(Index filters) {
+        for (Vector<T>* x : {&innovation, &residual, &gamma}) x->setConstant(filters, undefined<T>());
+        health.assign(size_t(filters), Health::nonfinite);
+        taken.assign(size_t(filters), 0);
+    }
 };
 
-template <class X>
-constexpr bool counts_all_lanes_at_once();
-template <class... Members>
-constexpr bool any_counts(std::tuple<Members&...> const*) {
-    return (counts_all_lanes_at_once<std::remove_const_t<Members>>() || ...);
-}
-template <class X>
-constexpr bool counts_all_lanes_at_once() {
-    if constexpr (NamesItsState<X>) return any_counts(static_cast<decltype(X::state(std::declval<X&>()))*>(nullptr));
-    else return std::integral<X> && !std::same_as<X, bool>;
-}
-}  // namespace detail
+/// Samples of a filter since it began, or of a fleet since it was made.
+struct FleetCounts {
+    Index taken = 0;    ///< that it learnt from
+    Index missing = 0;  ///< with a number that was not finite
+    static auto state(auto& c) { return std::tie(c.taken, c.missing); }
+};
 
-/// A variant over a Pack whose lanes have nothing in common but options. QrBlock counts the rows of all lanes at once:
-/// a fleet of it would take the rows of one filter for another's.
-template <class F>
-concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && !detail::counts_all_lanes_at_once<F>();
-
-/// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>: any number of them, with one problem.
-/// Each keeps the bits of the scalar variant on its own rows, while its health is not nonfinite: after that other
-/// numbers may be NaN than there. A fleet that was moved from has no filters.
+/// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>. Each keeps the bits of the scalar
+/// variant on its own rows, while its health is not nonfinite: after that other numbers may be NaN than there. A fleet
+/// that was moved from has no filters.
 ///
 /// Rows come as a structure of arrays: psi is M x d, its column i the regressor i of all filters; y has M numbers. A
 /// sample with a number that is not finite is missing: its filter stays as it was, and no other filter notices. Time
 /// does not pass for it; update it with psi = 0 and y = 0 where it should. Without a prior each filter counts its own
 /// rows.
 ///
+/// Filters come and go, and none is renumbered: what remove(i) leaves takes no rows, its samples are not looked at, and
+/// add() gives its number away again. Each filter may have a problem of its own, of the same size.
+///
 /// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
-/// triangle (all of F where that is not fixed in size and stores a square); an F for each thread. A row moves that of
-/// all through the processor once. Source: layout as in arrays of structures of arrays; folklore.
+/// triangle (all of F where that is not fixed in size and stores a square), with lambda only once lambdas differ; 21
+/// bytes of health and counts; an F for each thread. A row moves that of all through the processor once. An update
+/// allocates only when it first meets that many threads. Source: layout as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
@@ -80,81 +58,210 @@ public:
     /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
     Fleet(Index filters, Problem<number> const& problem)
         : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
-          packs_(fresh_, (filters + lanes - 1) / lanes), first_(problem.prior ? Health::sound : Health::undetermined),
-          health_(size_t(packs_.size()), first_) {}
+          packs_(fresh_, (filters + lanes - 1) / lanes), first_(first_health(problem)), health_(groups(), first_),
+          alive_(groups(), false), begun_(groups(), 0), missing_(groups(), 0) {
+        for (Index i = 0; i < filters; ++i) at(alive_, i) = true;
+    }
+    /// Filter i of problems[i], all of one size. The fleet's problem, for add() and reset(), is problems[0]. Throws
+    /// std::invalid_argument where there is none, and as F for each.
+    explicit Fleet(std::span<Problem<number> const> problems)
+        : Fleet(Index(problems.size()), problems.empty() ? Problem<number>{} : problems[0]) {
+        for (size_t i = 1; i < problems.size(); ++i) reset(Index(i), problems[i]);
+    }
 
-    Index filters() const { return packs_.size() == 0 ? 0 : filters_; }  ///< M
+    Index filters() const { return packs_.size() == 0 ? 0 : filters_; }  ///< M, with those that were removed
     Index parameters() const { return size_; }                           ///< d
     Index bytes_per_filter() const { return packs_.bytes() / lanes; }
+    /// Whether filter i is there: false for what was removed, and beyond the last.
+    bool alive(Index i) const { return 0 <= i && i < filters() && at(alive_, i); }
 
     /// One row for each filter. Returns how many samples were missing. threads: over how many the filters are divided;
     /// no bit depends on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
     Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
                  unsigned threads = 1) {
-        expects(packs_.size() > 0 && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
-                "psi: filters x parameters; y: a number for each filter");
-        Index const all = packs_.size(), shares = std::clamp<Index>(Index(threads), 1, all);
-        std::vector<Index> missing(size_t(shares), 0);
-        while (Index(workspace_.size()) < shares) workspace_.push_back(packs_.pattern());
-        auto const work = [&](Index share) {
-            missing[size_t(share)] =
-                update_packs(workspace_[size_t(share)], psi, y, all * share / shares, all * (share + 1) / shares);
-        };
-        detail::among_threads(shares, work);
-        Index out = 0;
-        for (Index const m : missing) out += m;
-        return out;
+        return update_all<false>(psi, y, nullptr, threads);
+    }
+    /// The same with a report of each filter. Throws std::invalid_argument also unless steps has M filters.
+    Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
+                 FleetSteps<number>& steps, unsigned threads = 1) {
+        expects(steps.filters() == filters_, "steps of as many filters as the fleet has");
+        return update_all<true>(psi, y, &steps, threads);
     }
 
     /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its
-    /// steps. Throws std::invalid_argument unless 0 <= i < M.
+    /// steps; its samples. These throw std::invalid_argument unless alive(i).
     Vector<number> theta(Index i) const {
         check(i);
-        F workspace = packs_.pattern();
-        return packs_.read(i / lanes, workspace).theta().unaryExpr([lane = int(i % lanes)](pack const& x) {
+        auto own = packs_.workspace();
+        return packs_.read(i / lanes, own).theta().unaryExpr([lane = int(i % lanes)](pack const& x) {
             return x[lane];
         });
     }
     Health health(Index i) const {
         check(i);
-        return health_[size_t(i / lanes)][int(i % lanes)];
+        return at(health_, i);
     }
+    FleetCounts counts(Index i) const {
+        check(i);
+        Index const missing = at(missing_, i);
+        return {rows_ - at(begun_, i) - missing, missing};
+    }
+    /// M x d: row i is theta(i), NaN where filter i was removed.
+    Matrix<number> thetas() const {
+        Matrix<number> out(filters(), size_);
+        auto own = packs_.workspace();
+        for (Index g = 0; g < packs_.size(); ++g) {
+            auto const& theta = packs_.read(g, own).theta();
+            for (Index j = 0; j < size_; ++j)
+                for (Index i = g * lanes; i < std::min((g + 1) * lanes, filters_); ++i)
+                    out(i, j) = at(alive_, i) ? theta[j][int(i % lanes)] : undefined<number>();
+        }
+        return out;
+    }
+    /// Of all filters, with those that were removed.
+    FleetCounts counts() const { return counts_; }
 
-    /// Filter i begins anew. Throws std::invalid_argument unless 0 <= i < M.
+    /// A filter more: its number, the lowest that was removed, or M, which grows by one. In the mean O(1), as
+    /// std::vector's growth. Throws std::invalid_argument as F for the problem, or where that has another size.
+    Index add() { return add(fresh_, first_); }
+    Index add(Problem<number> const& problem) { return add(made(problem), first_health(problem)); }
+    /// Frees the number of filter i. Throws std::invalid_argument unless alive(i).
+    void remove(Index i) {
+        reset(i);
+        at(alive_, i) = false;
+        free_from_ = std::min(free_from_, i);
+    }
+    /// Filter i begins anew with the fleet's problem, or another. Throws std::invalid_argument unless alive(i), and as
+    /// add.
     void reset(Index i) {
         check(i);
-        detail::NumbersOfLanes<pack> fresh;
-        detail::walk(fresh, fresh_);
-        pack chosen;
-        chosen.set(int(i % lanes), number(1));
-        detail::LanesPutBack<pack> back(fresh, chosen == pack(number(1)));
-        F workspace = packs_.pattern();
-        F& filter = packs_.read(i / lanes, workspace);
-        detail::walk(back, filter);
-        packs_.write(i / lanes, filter);
-        health_[size_t(i / lanes)].value[size_t(i % lanes)] = first_;
+        begin(i, fresh_, first_);
+    }
+    void reset(Index i, Problem<number> const& problem) {
+        check(i);
+        begin(i, made(problem), first_health(problem));
+    }
+
+    /// Filter i as a filter of its own, such as Ud<double, 4>, with its bits on all rows to come; only the gain of the
+    /// last row is lost. So save(fleet.filter(i), path) saves one filter. Throws std::invalid_argument unless alive(i).
+    auto filter(Index i) const
+        requires detail::HasOneLane<F>
+    {
+        check(i);
+        auto own = packs_.workspace();
+        detail::LaneRead numbers(int(i % lanes));
+        detail::walk(numbers, packs_.read(i / lanes, own));
+        detail::OneLaneOf<F> out(Problem<number>{.size = size_});
+        detail::LaneWritten written(0, true, numbers.values);
+        detail::walk(written, out);
+        return out;
+    }
+    /// And back: filter i goes on as this one, whatever its forgetting and prior. Its health is sound, or undetermined
+    /// where theta is not finite. Throws std::invalid_argument unless alive(i), for another size, and for a filter in a
+    /// state that update() does not leave (a walk of kalman's; rows that information took without a report).
+    template <class One>
+        requires std::same_as<One, detail::OneLaneOf<F>>
+    void put(Index i, One const& one) {
+        check(i);
+        expects(Index(one.theta().size()) == size_, "a filter of the fleet's size");
+        detail::LaneRead numbers(0);
+        detail::walk(numbers, one);
+        auto own = packs_.workspace();
+        F& group = packs_.read(i / lanes, own);
+        detail::LaneWritten looking(int(i % lanes), false, numbers.values), keeping = looking;
+        keeping.keep = true;
+        detail::walk(looking, group);
+        expects(looking.same, "a filter as update() leaves it, and of the fleet's options");
+        detail::walk(keeping, group);
+        packs_.write_with_constants(i / lanes, group);
+        start_counts(i, Vector<number>(one.theta()).allFinite() ? Health::sound : Health::undetermined);
     }
 
     static constexpr std::string_view layer = "fleet";
+    static constexpr int edition = 2;
     static std::array<StateOption, 1> options(auto const& f) { return {{{"filters", double(f.filters_)}}}; }
     static auto state(auto& f) {
-        if constexpr (!std::is_const_v<std::remove_reference_t<decltype(f)>>)
-            f.workspace_.clear();  // of the filters before; what is read in has constants of its own
-        return std::tie(f.fresh_, f.packs_, f.first_, f.health_);
+        if constexpr (!std::is_const_v<std::remove_reference_t<decltype(f)>>) {
+            f.workspaces_.clear();  // of the filters before; what is read in has constants of its own
+            f.free_from_ = 0;
+        }
+        return std::tie(f.fresh_, f.packs_, f.first_, f.health_, f.alive_, f.begun_, f.missing_, f.rows_, f.counts_);
     }
 
 private:
+    using Mask = typename pack::Mask;
+    template <class X>
+    using PerFilter = std::vector<Lanes<X, lanes>>;
+    /// Of a thread.
+    struct Workspace {
+        typename detail::FleetRecords<F>::Workspace filter;
+        std::vector<pack> row;
+        FleetCounts counts = {};
+    };
+
     static Index checked_count(Index filters) {
         expects(1 <= filters && filters <= std::numeric_limits<Index>::max() / (2 * lanes),
                 "a number of filters, at least one");
         return filters;
     }
-    void check(Index i) const { expects(0 <= i && i < filters(), "the number of a filter"); }
+    size_t groups() const { return size_t(packs_.size()); }
+    template <class X>
+    static X& at(PerFilter<X>& of, Index i) {
+        return of[size_t(i / lanes)].value[size_t(i % lanes)];
+    }
+    template <class X>
+    static X const& at(PerFilter<X> const& of, Index i) {
+        return of[size_t(i / lanes)].value[size_t(i % lanes)];
+    }
+    void check(Index i) const { expects(alive(i), "the number of a filter that is there"); }
+    static Health first_health(Problem<number> const& problem) {
+        return problem.prior ? Health::sound : Health::undetermined;
+    }
     static Problem<pack> in_packs(Problem<number> const& problem) {
         return problem.template mapped<pack>([](number x) { return pack(x); });
     }
-    static void add(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step,
-                    typename pack::Mask const& present) {
+    F made(Problem<number> const& problem) const {
+        F out(in_packs(problem));
+        expects(Index(out.theta().size()) == size_, "a problem of the fleet's size");
+        return out;
+    }
+    Index add(F const& fresh, Health first) {
+        expects(packs_.size() > 0, "a fleet that was not moved from");
+        while (free_from_ < filters_ && at(alive_, free_from_)) ++free_from_;
+        Index const i = free_from_;
+        if (i == filters_) {
+            if (i % lanes == 0) {
+                packs_.append(fresh_);
+                health_.emplace_back(first_);
+                alive_.emplace_back(false);
+                begun_.emplace_back(0);
+                missing_.emplace_back(0);
+            }
+            ++filters_;
+        }
+        at(alive_, i) = true;
+        begin(i, fresh, first);
+        return i;
+    }
+    /// Lane i of the fleet as that of `fresh`, whose lanes are alike.
+    void begin(Index i, F const& fresh, Health first) {
+        detail::NumbersOfLanes<pack> numbers;
+        detail::walk(numbers, fresh);
+        pack chosen;
+        chosen.set(int(i % lanes), number(1));
+        detail::LanesPutBack<pack> back(numbers, chosen == pack(number(1)));
+        auto own = packs_.workspace();
+        F& group = packs_.read(i / lanes, own);
+        detail::walk(back, group);
+        packs_.write_with_constants(i / lanes, group);
+        start_counts(i, first);
+    }
+    void start_counts(Index i, Health first) {
+        at(health_, i) = first;
+        at(begun_, i) = rows_;
+        at(missing_, i) = 0;
+    }
+    static void worsen(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step, Mask const& present) {
         static Lanes<Health, lanes> const sound(Health::sound);
         if (health.value == sound.value && step.value == sound.value) return;
         for (int i = 0; i < lanes; ++i)
@@ -169,48 +276,104 @@ private:
         return out;
     }
 
-    Index update_packs(F& workspace, Eigen::Ref<Matrix<number> const> const& psi,
-                       Eigen::Ref<Vector<number> const> const& y, Index first, Index last) {
-        detail::NumbersOfLanes<pack> before;  // of a filter of which some lanes stay as they were
-        std::vector<pack> numbers_of_row(size_t(size_), pack{});
-        Eigen::Map<Vector<pack>> row(numbers_of_row.data(), size_);
+    template <bool reports>
+    Index update_all(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
+                     FleetSteps<number>* steps, unsigned threads) {
+        expects(packs_.size() > 0 && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
+                "psi: filters x parameters; y: a number for each filter");
+        Index const all = packs_.size(), shares = std::clamp<Index>(Index(threads), 1, all);
+        while (Index(workspaces_.size()) < shares)
+            workspaces_.push_back({packs_.workspace(), std::vector<pack>(size_t(size_))});
+        auto const work = [&](Index share) {
+            update_groups<reports>(workspaces_[size_t(share)], psi, y, steps, all * share / shares,
+                                   all * (share + 1) / shares);
+        };
+        detail::among_threads(shares, work);
+        ++rows_;
         Index missing = 0;
+        for (Index share = 0; share < shares; ++share) {
+            missing += workspaces_[size_t(share)].counts.missing;
+            counts_.taken += workspaces_[size_t(share)].counts.taken;
+        }
+        counts_.missing += missing;
+        return missing;
+    }
+    template <bool reports>
+    void update_groups(Workspace& own, Eigen::Ref<Matrix<number> const> const& psi,
+                       Eigen::Ref<Vector<number> const> const& y, FleetSteps<number>* steps, Index first, Index last) {
+        Eigen::Map<Vector<pack>> row(own.row.data(), size_);
+        own.counts = {};
         for (Index g = first; g < last; ++g) {
-            Index const at = g * lanes, here = std::min<Index>(lanes, filters_ - at);
-            pack const output = loaded(y.data() + at, here);
-            typename pack::Mask present = isfinite(output);
+            Index const from = g * lanes, here = std::min<Index>(lanes, filters_ - from);
+            pack output = loaded(y.data() + from, here);
+            Mask present = isfinite(output);
             for (Index i = 0; i < size_; ++i) {
-                row[i] = loaded(psi.col(i).data() + at, here);
+                row[i] = loaded(psi.col(i).data() + from, here);
                 present = present && isfinite(row[i]);
             }
-            for (int lane = 0; lane < here; ++lane) missing += !present[lane];
-            if (!any(present)) continue;
-            packs_.prefetch_behind(g);
-            F& filter = packs_.read(g, workspace);
-            if (all(present)) {
-                add(health_[size_t(g)], filter.update(row, output).health, present);
-                packs_.write(g, filter);
-                continue;
+            bool const whole = all(present) && all_alive(g);
+            if (!whole) {
+                present = present && Mask(alive_[size_t(g)]);
+                count_missing(own.counts, g, present);
+                if (!any(present)) {
+                    if constexpr (reports) report(*steps, from, here, {}, present);
+                    continue;
+                }
+                for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
+                output = select(present, output, pack());
+            } else {
+                own.counts.taken += lanes;
             }
-            before.clear();
-            detail::walk(before, filter);
-            for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
-            auto const step = filter.update(row, select(present, output, pack()));
-            detail::LanesPutBack<pack> back(before, !present);
-            detail::walk(back, filter);
-            packs_.write(g, filter);
-            add(health_[size_t(g)], step.health, present);
+            packs_.prefetch_behind(g);
+            F& filter = whole ? packs_.read(g, own.filter) : packs_.read_some(g, own.filter);
+            Step<pack> const step = filter.update(row, output);
+            if (whole) packs_.write(g, filter);
+            else packs_.write_some(g, own.filter, filter, present);
+            worsen(health_[size_t(g)], step.health, present);
+            if constexpr (reports) report(*steps, from, here, step, present);
         }
-        return missing;
+    }
+    bool all_alive(Index g) const {
+        static Lanes<bool, lanes> const every(true);
+        return alive_[size_t(g)].value == every.value;
+    }
+    void count_missing(FleetCounts& counts, Index g, Mask const& present) {
+        for (int lane = 0; lane < lanes; ++lane) {
+            bool const missing = alive_[size_t(g)][lane] && !present[lane];
+            counts.taken += present[lane];
+            counts.missing += missing;
+            missing_[size_t(g)].value[size_t(lane)] += missing;
+        }
+    }
+    static void report(FleetSteps<number>& steps, Index from, Index count, Step<pack> const& step,
+                       Mask const& present) {
+        pack const none = undefined<pack>();
+        auto const put = [&](Vector<number>& to, pack const& x) {
+            pack const seen = select(present, x, none);
+            if (count == lanes) std::memcpy(to.data() + from, seen.v, sizeof seen.v);
+            else
+                for (int i = 0; i < count; ++i) to[from + i] = seen[i];
+        };
+        put(steps.innovation, step.innovation);
+        put(steps.residual, step.residual);
+        put(steps.gamma, step.gamma);
+        for (int i = 0; i < count; ++i) {
+            steps.health[size_t(from + i)] = present[i] ? step.health[i] : Health::nonfinite;
+            steps.taken[size_t(from + i)] = present[i];
+        }
     }
 
     Index filters_;
-    F fresh_;
+    F fresh_;  // of the fleet's problem
     Index size_;
     detail::FleetRecords<F> packs_;
-    std::vector<F> workspace_ = {};  // a filter for each thread
-    Health first_;                   // of a filter that took no row
-    std::vector<Lanes<Health, lanes>> health_;
+    std::vector<Workspace> workspaces_ = {};  // one for each thread
+    Health first_;                            // of a filter of the fleet's problem that took no row
+    PerFilter<Health> health_;
+    PerFilter<bool> alive_;
+    PerFilter<Index> begun_, missing_;  // rows of the fleet before it; of its own
+    Index rows_ = 0, free_from_ = 0;    // no number below free_from_ is free
+    FleetCounts counts_;
 };
 
 }  // namespace rlslab

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/linalg/forms.hpp>
-#include <rlslab/state/state.hpp>
+#include <rlslab/state/lanes.hpp>
 
 #include <cstring>
 #include <vector>
@@ -58,7 +58,32 @@ void pieces(UnitInformation<T, N> f, To& to) {
     pieces_of_triangle(f.L, false, true, to);
     walk(to, f.lengths);
 }
-/// A filter without such a form: its whole state.
+/// Shows its constants, which no update changes.
+template <class T, int N, class To>
+void constants(PlainCovariance<T, N> f, To& to) {
+    to.number(f.lambda), walk(to, f.by_lambda);
+}
+template <class T, int N, bool upper, class To>
+void constants(RootCovariance<T, N, upper> f, To& to) {
+    to.number(f.lambda), walk(to, f.by_root_lambda);
+}
+template <class T, int N, class To>
+void constants(UdCovariance<T, N> f, To& to) {
+    to.number(f.lambda), walk(to, f.by_lambda);
+}
+template <class T, int N, class To>
+void constants(RootInformation<T, N> f, To& to) {
+    to.number(f.lambda), to.number(f.root_lambda);
+}
+template <class T, int N, class To>
+void constants(UnitInformation<T, N> f, To& to) {
+    to.number(f.lambda);
+}
+/// A filter without such a form: its whole state, in which the constants are.
+template <class F, class To>
+void constants_of(F& f, To& to) {
+    if constexpr (requires { constants(f.form(), to); }) constants(f.form(), to);
+}
 template <class F, class To>
 void pieces_of(F& f, To& to) {
     if constexpr (requires { pieces(f.form(), to); }) pieces(f.form(), to);
@@ -76,19 +101,31 @@ struct RecordSize : Silent {
     void piece(P const*, Index n) { packs += n; }
     void one(P const&) {}
 };
-template <class P>
+/// some: only the lanes of the mask.
+template <class P, bool some = false>
 struct RecordWriting : Silent {
     P* to;
-    explicit RecordWriting(P* record) : to(record) {}
-    [[gnu::always_inline]] void number(P const& x) { *to++ = x; }
+    typename P::Mask mask;
+    explicit RecordWriting(P* record, typename P::Mask const& lanes = true) : to(record), mask(lanes) {}
+    [[gnu::always_inline]] void number(P const& x) {
+        *to = some ? select(mask, x, *to) : x;
+        ++to;
+    }
     template <class X>
-    void number(X const& x) {
+    void number(X const& now) {
         static_assert(std::is_trivially_copyable_v<X>);
+        X x = now;
+        if constexpr (some && requires { x[0]; }) {
+            X before;
+            std::memcpy(static_cast<void*>(&before), static_cast<void const*>(to), sizeof x);
+            if constexpr (std::same_as<X, typename P::Mask>) x = (mask && x) || (!mask && before);
+            else x = select(mask, x, before);
+        }
         std::memcpy(static_cast<void*>(to), &x, sizeof x);
         to += (sizeof(X) + sizeof(P) - 1) / sizeof(P);
     }
     [[gnu::always_inline]] void piece(P const* x, Index n) {
-        for (Index i = 0; i < n; ++i) to[i] = x[i];
+        for (Index i = 0; i < n; ++i) to[i] = some ? select(mask, x[i], to[i]) : x[i];
         to += n;
     }
     void one(P const&) {}
@@ -122,48 +159,85 @@ template <class F>
     requires requires(F f) { is_a_square(f.form()); }
 inline constexpr bool stores_a_square<F> = true;
 
-/// Filters F that began alike, without their common constants and their gains: records, each read into an F
-/// for an update and written back. Where the size is not fixed and F stores a square, or its form is not known here,
-/// the record would be most of F, and copying it took longer than it saved (docs/speed.md): those are kept as they are.
+/// Groups of filters F in lockstep, without their gains and, where all have the same, without their constants: records,
+/// each read into an F for an update and written back. Where the size is not fixed and F stores a square, or its form is
+/// not known here, the record would be most of F, and copying it took longer than it saved (docs/speed.md): those are
+/// kept as they are.
 template <class F>
 class FleetRecords {
     using P = typename F::scalar;
+    using Mask = typename P::Mask;
     static constexpr bool in_place =
         size_of<F> == Dynamic && (stores_a_square<F> || !requires(F f, RecordSize<P> to) { pieces(f.form(), to); });
     F pattern_;
-    Index packs_ = 0, count_;  // of a record; records
+    Index packs_ = 0, count_ = 0;   // of a record; records
+    bool holds_constants_ = false;  // each record; else the pattern alone
     std::vector<P, Aligned<P>> numbers_;
     std::vector<F> filters_;
 
 public:
-    FleetRecords(F const& pattern, Index count) : pattern_(pattern), count_(count) {
-        RecordSize<P> size;
-        pieces_of(pattern_, size);
-        packs_ = size.packs;
+    /// An F to read into, and what a change of some lanes has to put back.
+    struct Workspace {
+        F filter;
+        NumbersOfLanes<P> before = {};
+    };
+
+    FleetRecords(F const& pattern, Index count) : pattern_(pattern) {
+        packs_ = packs_of_a_record();
+        if constexpr (in_place) filters_.reserve(size_t(count));
+        else numbers_.reserve(size_t(packs_ * count));
+        while (count_ < count) append(pattern);
+    }
+    void append(F fresh) {
+        ++count_;
         if constexpr (in_place) {
-            filters_.assign(size_t(count), pattern);
+            filters_.push_back(fresh);
         } else {
-            numbers_.resize(size_t(packs_ * count));
-            for (Index g = 0; g < count; ++g) write(g, pattern_);
+            numbers_.resize(size_t(packs_ * count_));
+            write(count_ - 1, fresh);
         }
     }
     Index size() const { return numbers_.empty() && filters_.empty() ? 0 : count_; }  ///< 0 when it was moved from
-    F const& pattern() const { return pattern_; }
+    Workspace workspace() const { return {pattern_}; }
     Index bytes() const { return packs_ * Index(sizeof(P)); }  ///< of a record
 
-    /// Filter g: in `workspace`, a copy of the pattern, or where it is kept. What was changed is to be written.
-    F& read(Index g, F& workspace) {
+    /// Group g: in the workspace, or where it is kept. What was changed is to be written.
+    F& read(Index g, Workspace& workspace) {
         if constexpr (in_place) return filters_[size_t(g)];
-        return read_into(g, workspace);
+        return read_into(g, workspace.filter);
     }
-    F const& read(Index g, F& workspace) const {
+    F const& read(Index g, Workspace& workspace) const {
         if constexpr (in_place) return filters_[size_t(g)];
-        return read_into(g, workspace);
+        return read_into(g, workspace.filter);
     }
     void write(Index g, F& from) {
         if constexpr (in_place) return;
         RecordWriting<P> writing(numbers_.data() + g * packs_);
         pieces_of(from, writing);
+        if (holds_constants_) constants_of(from, writing);
+    }
+    /// The same for a change of some lanes: the others keep what they had.
+    F& read_some(Index g, Workspace& workspace) {
+        F& filter = read(g, workspace);
+        if constexpr (in_place) {
+            workspace.before.clear();
+            walk(workspace.before, filter);
+        }
+        return filter;
+    }
+    void write_some(Index g, Workspace const& workspace, F& from, Mask const& lanes) {
+        if constexpr (in_place) {
+            LanesPutBack<P> back(workspace.before, !lanes);
+            walk(back, from);
+        } else {
+            RecordWriting<P, true> writing(numbers_.data() + g * packs_, lanes);
+            pieces_of(from, writing);
+        }
+    }
+    /// What may have other constants than the pattern. Then each record holds its own from now on.
+    void write_with_constants(Index g, F& from) {
+        if (!in_place && !holds_constants_ && differ(from, pattern_)) hold_constants();
+        write(g, from);
     }
     /// Asks memory for the record that follows g after some 64 cache lines.
     void prefetch_behind(Index g) const {
@@ -177,15 +251,17 @@ public:
     /// look(filter) for each, as its state shows it; where this is not const, look may change the filter.
     template <class Look>
     void each(Look look) const {
-        F workspace = pattern_;
-        for (Index g = 0; g < size(); ++g) look(read(g, workspace));
+        Workspace own = workspace();
+        for (Index g = 0; g < size(); ++g) look(read(g, own));
     }
     template <class Look>
     void each(Look look) {
+        Workspace own = workspace();
         for (Index g = 0; g < size(); ++g) {
-            F& filter = read(g, pattern_);
+            F& filter = read(g, own);
             look(filter);
-            write(g, filter);
+            if (g == 0) pattern_ = filter;  // what is read in has a pattern of its own
+            write_with_constants(g, filter);
         }
     }
 
@@ -193,7 +269,31 @@ private:
     F& read_into(Index g, F& workspace) const {
         RecordReading<P> reading(numbers_.data() + g * packs_);
         pieces_of(workspace, reading);
+        if (holds_constants_) constants_of(workspace, reading);
         return workspace;
+    }
+    Index packs_of_a_record() {
+        RecordSize<P> size;
+        pieces_of(pattern_, size);
+        if (holds_constants_) constants_of(pattern_, size);
+        return size.packs;
+    }
+    static bool differ(F& a, F& b) {
+        NumbersOfLanes<P> of_a, of_b;
+        constants_of(a, of_a);
+        constants_of(b, of_b);
+        for (size_t i = 0; i < of_a.numbers.size(); ++i)
+            if (!all(of_a.numbers[i] == of_b.numbers[i])) return true;
+        return false;
+    }
+    void hold_constants() {
+        FleetRecords wider(pattern_, 0);
+        wider.holds_constants_ = true;
+        wider.packs_ = wider.packs_of_a_record();
+        wider.numbers_.reserve(size_t(wider.packs_ * count_));
+        Workspace own = workspace();
+        for (Index g = 0; g < count_; ++g) wider.append(read(g, own));
+        *this = std::move(wider);
     }
 };
 
