@@ -104,6 +104,12 @@ Rule const rules_on_dynamics[] = {
 bool fits_past_outputs(Model m) {
     return std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
 }
+/// Which types estimate without bias where the noise has dynamics of its own.
+std::string for_coloured_noise(Model m) {
+    if (!fits_past_outputs(m) || !m.past_inputs.empty()) return "";
+    return fmt::format("; in C++ ExtendedLeastSquares estimates the noise's dynamics, too{} (docs/library.md)",
+                       m.options.inputs.empty() ? "" : ", and InstrumentalVariables does without them");
+}
 Rule const rules_on_whiteness[] = {
     {Rank::whiteness, [](Model m) { return m.options.forgetting != 1 && !m.ljung_box.white(); },
      [](Model) -> std::string {
@@ -114,7 +120,7 @@ Rule const rules_on_whiteness[] = {
     {Rank::whiteness, [](Model m) { return !m.ljung_box.white(); },
      [](Model m) {
          return fmt::format(
-             "the residuals are not white (p = {:.2g}): {}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
+             "the residuals are not white (p = {:.2g}): {}{}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
              fits_past_outputs(m)
                  ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
                  : "the standard deviations of the estimate do not hold",
@@ -124,7 +130,8 @@ Rule const rules_on_whiteness[] = {
                        "order or na takes it up), an input is missing (a further column of the file?), or one acts "
                        "later (--delay)",
                        m.ljung_box.lags)
-                 : "");
+                 : "",
+             for_coloured_noise(m));
      },
      more_terms},
 };

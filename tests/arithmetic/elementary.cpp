@@ -62,6 +62,9 @@ TEST(Elementary, ResultsAreTheNearestDoubles) {
     EXPECT_EQ(wrong([](double x) { return correctly::hypot(x, 3); },
                     [](Reference const& x) { return Reference(sqrt(x * x + 9)); }, -20, 20),
               0);
+    EXPECT_EQ(wrong([](double x) { return correctly::atan2(x, 3); },
+                    [](Reference const& x) { return Reference(atan(x / 3)); }, -20, 20),
+              0);
     EXPECT_GT(wrong([](double x) { return correctly::exp2(x * 3.3219280948873623); }, base_ten, -320, 308), 0);
 }
 TEST(Elementary, EndsAndSpecialValues) {
@@ -72,6 +75,9 @@ TEST(Elementary, EndsAndSpecialValues) {
     EXPECT_EQ(correctly::log(0), -inf);
     EXPECT_TRUE(std::isnan(correctly::log(-1)) && std::isnan(correctly::log(nan)) &&
                 std::isnan(correctly::pow(nan, 1)));
+    EXPECT_EQ(correctly::atan2(0.0, -1), 3.141592653589793);
+    EXPECT_EQ(correctly::atan2(-0.0, -1), -3.141592653589793);
+    EXPECT_EQ(correctly::atan2(0, 0), 0);
     EXPECT_EQ(correctly::pow(nan, 0), 1);
     EXPECT_EQ(correctly::pow(10, -324), 0);
     EXPECT_EQ(correctly::pow(10, -323), 1e-323);
