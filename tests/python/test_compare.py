@@ -99,6 +99,17 @@ def test_the_filter_has_what_was_said():
     assert other.dtype == np.float64 and other._made["forgetting"] == 0.9
 
 
+def test_a_prior_of_ones_own():
+    """The filter is the plain one with it, bit for bit."""
+    X, y = rows(60, 2)
+    c = rlslab.compare(X, y, timings=False, arithmetics="float64", prior_variance=256.0)
+    assert "rlslab::Prior<double>{.variance = 256" in c.code
+    f, plain = c.filter(), rlslab.filter(c.best["variant"], 2, prior_variance=256.0)
+    f.update_many(X, y)
+    plain.update_many(X, y)
+    assert same(f.theta, plain.theta)
+
+
 @pytest.mark.parametrize("change", SAME)
 def test_layouts_that_are_taken(change):
     X, y = rows(40, 3)
