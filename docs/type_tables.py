@@ -30,7 +30,8 @@ sections = [
     ("By name", [("catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
 ]
 left_out = """
-BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding
+BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
+RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding
 """.split()
 
 
