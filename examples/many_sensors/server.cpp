@@ -1,7 +1,7 @@
 // Readings in, alarms out, by any pipe or socket; what was learnt is saved every minute, and nothing is lost by a kill.
 //
 //   server STATE [ROWS]    reads NAME,HOURS,VALUE or remove,NAME a line; saves every minute, and every ROWS lines
-#include "sensors.hpp"
+#include <sensors.hpp>
 
 #include <charconv>
 #include <chrono>

@@ -1,5 +1,5 @@
 // The server, killed a hundred times at random points and restarted, beside one that was never killed.
-#include "sensors.hpp"
+#include <sensors.hpp>
 
 #include <rlslab/core/random.hpp>
 
@@ -99,7 +99,7 @@ int main(int, char** argv) try {
     for (auto const& row : rows) calm.write(row + "\n");
     auto const expected = calm.ended(false);
 
-    // The reader keeps an alarm by its number, and drops what it has.
+    // A reader that keeps each number once.
     std::map<long, std::string> alarms;
     bool same_again = true;
     rlslab::Seed seed{2};

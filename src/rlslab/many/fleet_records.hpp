@@ -160,9 +160,9 @@ template <class F>
 inline constexpr bool stores_a_square<F> = true;
 
 /// Groups of filters F in lockstep, without their gains and, where all have the same, without their constants: records,
-/// each read into an F for an update and written back. Where the size is not fixed and F stores a square, or its form is
-/// not known here, the record would be most of F, and copying it took longer than it saved (docs/speed.md): those are
-/// kept as they are.
+/// each read into an F for an update and written back. Where the size is not fixed and F stores a square, or its form
+/// is not known here, the record would be most of F, and copying it took longer than it saved (docs/speed.md): those
+/// are kept as they are.
 template <class F>
 class FleetRecords {
     using P = typename F::scalar;
