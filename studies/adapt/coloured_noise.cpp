@@ -201,7 +201,7 @@ Study const coloured_noise{
         "What do extended least squares and instrumental variables find where coloured noise biases least "
         "squares?",
     .source =
-        "docs/theory.md 92 and 93; Söderström & Stoica 1989, ch. 8 (cited, not read); Ljung 1977, Solo 1979 (cited, "
+        "docs/theory.md 89 and 90; Söderström & Stoica 1989, ch. 8 (cited, not read); Ljung 1977, Solo 1979 (cited, "
         "not read)",
     .formula = R"tex(\hat\theta_{LS} \to \theta + R^{-1}E\psi v, \qquad
                      (R^{-1}G - \tfrac12)\Sigma + \Sigma(R^{-1}G - \tfrac12)^\top = \sigma^2R^{-1}, \qquad
@@ -260,17 +260,17 @@ Study const coloured_noise{
              [](Table const& t) {
                  return within(longest(t, "least squares", coloured_ones), {"noise"}, of_theory, 0.95, 1.05);
              },
-             own_result("docs/theory.md 92; set before the run")},
+             own_result("docs/theory.md 89; set before the run")},
             {"and at the greatest N its square is 4 variances or more in most systems",
              [](Table const& t) {
                  return within(longest(t, "least squares", coloured_ones), {"noise"}, middle("squared_bias"), 4, 1e9);
              },
-             own_result("docs/theory.md 92; set before the run")},
+             own_result("docs/theory.md 89; set before the run")},
             {"in white noise the squared bias of least squares is at most 0.05 variances",
              [](Table const& t) {
                  return within(longest(t, "least squares", {"white"}), {}, middle("squared_bias"), -0.05, 0.05);
              },
-             own_result("docs/theory.md 92; set before the run")},
+             own_result("docs/theory.md 89; set before the run")},
             {"extended least squares where 1/C - 1/2 is positive real: squared bias at most 0.05 variances",
              [](Table const& t) {
                  return within(longest(t, "extended", in_reach), {"noise"}, middle("squared_bias"), -0.05, 0.05);
@@ -280,12 +280,12 @@ Study const coloured_noise{
              [](Table const& t) {
                  return within(longest(t, "extended", in_reach), {"noise"}, middle("variance"), 0.8, 1.2);
              },
-             own_result("docs/theory.md 92; set before the run")},
+             own_result("docs/theory.md 89; set before the run")},
             {"extended least squares where Sigma does not exist: the mean square error falls more slowly than N^-0.95",
              [](Table const& t) {
                  return within(without_a_limit(t), {}, slope("rows", "mean_square").over("system"), -0.95, 1);
              },
-             own_result("docs/theory.md 92; set before the run")},
+             own_result("docs/theory.md 89; set before the run")},
             {"instruments: the variance is Q^-1 Pi' S_v Pi Q^-1 / N to 15 %, in every noise",
              [](Table const& t) {
                  return within(longest(t, "instruments", all_noises), {"noise"}, middle("variance"), 0.85, 1.15);
@@ -295,30 +295,30 @@ Study const coloured_noise{
              [](Table const& t) {
                  return within(longest(t, "instruments", in_reach), {"noise"}, middle("squared_bias"), -0.05, 0.05);
              },
-             own_result("docs/theory.md 93; set before the run")},
+             own_result("docs/theory.md 90; set before the run")},
             {"their bias in coloured noise, over that of first order: 1.0 +- 0.4",
              [](Table const& t) {
                  Table const at = t.where("quantity", "estimate").where("estimator", "instruments");
                  return within(at.where("noise", coloured_ones), {"noise"}, of_theory, 0.6, 1.4);
              },
-             own_result("docs/theory.md 93; set before the run")},
+             own_result("docs/theory.md 90; set before the run")},
             {"two plain stages: the variance is that with S_v + S_w'theta to 15 %, in every noise",
              [](Table const& t) {
                  return within(longest(t, "two plain stages", all_noises), {"noise"}, middle("variance"), 0.85, 1.15);
              },
-             own_result("docs/theory.md 93; set before the run")},
+             own_result("docs/theory.md 90; set before the run")},
             {"and their mean square error 1.15 to 1.8 times that of the instruments at the greatest N",
              [](Table const& t) { return error_ratio(t, "two plain stages", "instruments", all_noises, 1.15, 1.8); },
-             own_result("docs/theory.md 93, medians of 1.31 to 1.42 over systems; set before the run")},
+             own_result("docs/theory.md 90, medians of 1.31 to 1.42 over systems; set before the run")},
             {"white noise: mean square error of extended least squares 0.8 to 1.0 of that of the instruments",
              [](Table const& t) { return error_ratio(t, "extended", "instruments", {"white"}, 0.8, 1.0); },
-             own_result("docs/theory.md 92 and 93, a median of 0.94 over systems; set before the run")},
+             own_result("docs/theory.md 89 and 90, a median of 0.94 over systems; set before the run")},
             {"1/C - 1/2 positive real: 0.9 to 1.1 of it",
              [](Table const& t) { return error_ratio(t, "extended", "instruments", {"positive real"}, 0.9, 1.1); },
-             own_result("docs/theory.md 92 and 93, a median of 1.03 over systems; set before the run")},
+             own_result("docs/theory.md 89 and 90, a median of 1.03 over systems; set before the run")},
             {"1/C - 1/2 not positive real: twice that of the instruments or more",
              [](Table const& t) { return error_ratio(t, "extended", "instruments", {"not positive real"}, 2, 1e9); },
-             own_result("docs/theory.md 92; set before the run")},
+             own_result("docs/theory.md 89; set before the run")},
             {"digits of the last stage: ud 13 to 17 in double and 4.5 to 7.5 in float",
              [](Table const& t) {
                  return digits_of(t, "ud in double", 13, 17) && digits_of(t, "ud in float", 4.5, 7.5);

@@ -22,7 +22,7 @@ struct System {
 };
 
 /// C of a name: "white" 1, "positive real" 1 + 0.3 q^-1 + 0.1 q^-2, "not positive real" 1 + 1.5 q^-1 + 0.75 q^-2:
-/// whether 1/C - 1/2 is (docs/theory.md 92).
+/// whether 1/C - 1/2 is (docs/theory.md 89).
 std::array<double, 2> colour(std::string_view name);
 /// System `number` in noise of this colour: poles below 0.8, the noise's share of y of a quarter of the input's
 /// variance, a white input where the number is odd, of pole 0.7 where it is even. Drawn again while an instrument is
@@ -32,8 +32,8 @@ System system_of(int number, std::string_view colour, Seed seed);
 /// Of a, b (and c, for extended least squares): asymptotic biases, and variances times N.
 struct Theory {
     Vector<double> least_squares_bias;  ///< R^-1 E psi v
-    Vector<double> extended;            ///< diagonal of Sigma, docs/theory.md 92; NaN where it does not exist
-    Vector<double> by_instruments;      ///< Q^-1 Pi' S_v Pi Q^-1, docs/theory.md 93
+    Vector<double> extended;            ///< diagonal of Sigma, docs/theory.md 89; NaN where it does not exist
+    Vector<double> by_instruments;      ///< Q^-1 Pi' S_v Pi Q^-1, docs/theory.md 90
     Vector<double> plain;               ///< the same with S_v + S_{w'theta}
     /// N times the first-order bias by instruments.
     Vector<double> instruments_bias(double rows) const;

@@ -284,7 +284,7 @@ TEST(StateSaboteur, AListThatForgetsAMemberOfInstrumentalVariablesIsCaught) {
 }
 
 /// y_k = 0.8 y_{k-1} + u_{k-1} + e_k + 0.7 e_{k-1}. The error of the first parameter; the budgets are ten standard
-/// deviations and a third of the bias (docs/theory.md 92).
+/// deviations and a third of the bias (docs/theory.md 89).
 TEST(ColouredNoise, BiasesLeastSquaresAndNeitherOfTheOthers) {
     Ud<double, 2> plain(problem_of<double>(2, 1e6, 1));
     ExtendedLeastSquares<Ud<double, 3>> extended(problem_of<double>(3, 1e6, 1), 1);

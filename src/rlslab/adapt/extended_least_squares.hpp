@@ -24,7 +24,7 @@ namespace rlslab {
 ///             RecursiveLeastSquares itself
 /// Converges to the true parameters where 1/C - 1/2 is strictly positive real, |C(e^iw) - 1| < 1 at every w; elsewhere
 /// it may not (Ljung 1977, Solo 1979; both cited, not read). No estimate of C is moved into the stable region: where it
-/// stays outside, residuals grow. Bias and variance beside least squares: docs/theory.md 92.
+/// stays outside, residuals grow. Bias and variance beside least squares: docs/theory.md 89.
 ///
 /// Allocates as F does. n + p assignments besides F's row. Throws std::invalid_argument unless 0 <= n <= d, for n > 0
 /// without a prior (the residuals are 0 until theta is determined, and theta is not determined while they are 0; an F

@@ -84,7 +84,7 @@ struct OfOneRegressor<F, M> {
 /// though every matrix that is propagated is symmetric. beta alone has a larger variance for every N: stage 1 moves
 /// while stage 2 sums, so that psihat and w are not orthogonal as in the batch. Theta of before the row does not depend
 /// on the row's v: no bias of first order where v is white. But where the row's share 1 - gamma in its own fit is
-/// large, psihat would be an extrapolation whose weight stays; Theta of after the row is safe there. docs/theory.md 93.
+/// large, psihat would be an extrapolation whose weight stays; Theta of after the row is safe there. docs/theory.md 90.
 ///
 /// zeta        of (psi_{q+1} ... psi_d) and of lags at least q; any numbers. While stage 1 has had m rows or fewer
 ///             psihat is about psi, and the start that of least squares, if its prior is vague: P0 zeta^2 above 1
@@ -96,7 +96,7 @@ struct OfOneRegressor<F, M> {
 /// F           what MultiOutput takes shares one P; other variants are q + 1 filters
 /// Allocates where it is made, and later as F does. Cost: G's row, F's with q more outputs, q^3/3 + d q for (4). Throws
 /// std::invalid_argument unless 1 <= q <= d, m >= q, and for a psi or zeta of another size. Source: Söderström & Stoica
-/// 1989, ch. 8 (cited, not read), for two stages in a batch; (3) and (4) derived, docs/theory.md 93.
+/// 1989, ch. 8 (cited, not read), for two stages in a batch; (3) and (4) derived, docs/theory.md 90.
 template <OverOrderedField F, class G = F, int Q = Dynamic>
     requires(
         !requires { F::departs; } && requires { typename MultiOutput<G, Q>; } &&
