@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
+#include <rlslab/state/lanes.hpp>
 
 #include <tuple>
 
@@ -19,14 +20,16 @@ namespace rlslab {
 ///
 /// (2) is exact, and therefore for exact fields alone: rounding makes an error of u/w in it.
 /// psi         may be the gain's own numbers                      w = 1     F's own bits
-/// w           < 0, infinite or NaN: nothing changes, and health is nonfinite
+/// w           < 0, infinite or NaN: nothing changes, and health is nonfinite. Of packs: a weight for each lane, each
+///             with the bits of its own; allocates where a lane has such a w
 /// F           a variant, or what is around one: Weighted<Guarded<Windowed<Ud<float, 5>>>> keeps the scaled rows, and
 ///             tests the scaled innovation, whose variance is the same in all rows. A guard learns nothing of the
 ///             noise from (3)
 /// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and
 /// a root. Source: folklore; derived (docs/theory.md 63).
 template <OverOrderedField F>
-    requires std::same_as<Truth<typename F::scalar>, bool> && (Real<typename F::scalar> || TimeUpdates<F>)
+    requires(std::same_as<Truth<typename F::scalar>, bool> || KeepsLanesApart<F>) &&
+            (Real<typename F::scalar> || TimeUpdates<F>)
 class Weighted : public detail::AroundFilter<F> {
     using T = typename F::scalar;
     using detail::AroundFilter<F>::filter_;
@@ -48,14 +51,25 @@ public:
     }
     Step<T> update(Regressor<T> psi, T const& y, T const& w) {
         keep_regressor(psi, psi_);
-        if (!(T(0) <= w) || !is_finite(w)) return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
-        if (w == T(0)) return missing();  // (3)
-        if constexpr (Real<T>) {          // (1)
-            by_ = square_root(w);
+        Truth<T> const good = T(0) <= w && is_finite(w), taken = good && !(w == T(0));
+        if (!any(good)) return refused();
+        if (!any(taken) && all(good)) return missing();  // (3)
+        if constexpr (Real<T>) {                         // (1)
+            by_ = select(good, select(taken, square_root(w), T(1)), by_);
             scale(psi_, by_, psi_);
-            Step<T> step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), by_ * y);
+            T output = by_ * y;
+            if (!all(taken)) {
+                for (Index i = 0; i < psi_.size(); ++i) psi_[i] = select(taken, psi_[i], T(0));
+                output = select(taken, output, T(0));
+            }
+            Step<T> step = update_lanes(good, output);
             step.innovation /= by_;
             step.residual /= by_;
+            if constexpr (!std::same_as<Truth<T>, bool>)
+                if (!all(taken)) {
+                    Step<T> const none{undefined<T>(), undefined<T>(), step.gamma, step.health};
+                    step = select(good, select(taken, step, none), refused());
+                }
             return step;
         } else {  // (2)
             Step<T> const step = measure(filter_, Regressor<T>(psi_.data(), psi_.size()), y, T(lambda_ / w), lambda_);
@@ -81,6 +95,23 @@ public:
     friend T variance_along(Weighted& f, Regressor<T> psi) { return variance_along(f.filter_, psi); }
     static constexpr std::string_view layer = "weighted";
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.by_); }
+
+private:
+    static Step<T> refused() { return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite}; }
+    /// The row in psi_, for the filters of these lanes.
+    Step<T> update_lanes(Truth<T> const& lanes, T const& y) {
+        Regressor<T> const row(psi_.data(), psi_.size());
+        if constexpr (!std::same_as<Truth<T>, bool>)
+            if (!all(lanes)) {
+                detail::NumbersOfLanes<T> before;
+                detail::walk(before, filter_);
+                Step<T> const step = filter_.update(row, y);
+                detail::LanesPutBack<T> back(before, !lanes);
+                detail::walk(back, filter_);
+                return step;
+            }
+        return filter_.update(row, y);
+    }
 };
 
 }  // namespace rlslab

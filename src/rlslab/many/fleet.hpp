@@ -2,33 +2,15 @@
 #pragma once
 
 #include <rlslab/many/fleet_records.hpp>
+#include <rlslab/many/fleet_steps.hpp>
 #include <rlslab/many/threads.hpp>
 
 namespace rlslab {
 
-/// What an update of a fleet reports of each of its M filters, as arrays of M. Made once, and filled by each update.
-template <Real T>
-struct FleetSteps {
-    Vector<T> innovation, residual, gamma;  ///< as Step's; NaN where no sample was taken
-    std::vector<Health> health;             ///< of the step; nonfinite where no sample was taken
-    std::vector<std::uint8_t> taken;        ///< 1; 0 where the sample was missing, or the filter was removed
-
-    explicit FleetSteps(Index filters) { resize(filters); }
-    Index filters() const { return innovation.size(); }
-    /// After add(). What was reported before is lost.
-    void resize(Index filters) {
-        for (Vector<T>* x : {&innovation, &residual, &gamma}) x->setConstant(filters, undefined<T>());
-        health.assign(size_t(filters), Health::nonfinite);
-        taken.assign(size_t(filters), 0);
-    }
-};
-
-/// Samples of a filter since it began, or of a fleet since it was made.
-struct FleetCounts {
-    Index taken = 0;    ///< that it learnt from
-    Index missing = 0;  ///< with a number that was not finite
-    static auto state(auto& c) { return std::tie(c.taken, c.missing); }
-};
+namespace detail {
+template <class F>
+concept TakesWeights = requires(F& f, Regressor<typename F::scalar> psi, typename F::scalar x) { f.update(psi, x, x); };
+}  // namespace detail
 
 /// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>. Each keeps the bits of the scalar
 /// variant on its own rows, while its health is not nonfinite: after that other numbers may be NaN than there. A fleet
@@ -79,13 +61,22 @@ public:
     /// no bit depends on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
     Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
                  unsigned threads = 1) {
-        return update_all<false>(psi, y, nullptr, threads);
+        return update_all<false, false>(psi, y, nullptr, nullptr, threads);
     }
     /// The same with a report of each filter. Throws std::invalid_argument also unless steps has M filters.
     Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
                  FleetSteps<number>& steps, unsigned threads = 1) {
         expects(steps.filters() == filters_, "steps of as many filters as the fleet has");
-        return update_all<true>(psi, y, &steps, threads);
+        return update_all<true, false>(psi, y, nullptr, &steps, threads);
+    }
+    /// The same of Weighted filters, with a weight w for each sample; one that is negative or not finite makes it
+    /// missing. Throws std::invalid_argument also unless w has M numbers.
+    Index update_weighted(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
+                          Eigen::Ref<Vector<number> const> const& w, FleetSteps<number>& steps, unsigned threads = 1)
+        requires detail::TakesWeights<F>
+    {
+        expects(steps.filters() == filters_ && w.size() == filters_, "w and steps of as many as the fleet has filters");
+        return update_all<true, true>(psi, y, w.data(), &steps, threads);
     }
 
     /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its
@@ -276,17 +267,17 @@ private:
         return out;
     }
 
-    template <bool reports>
+    template <bool reports, bool weighs>
     Index update_all(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
-                     FleetSteps<number>* steps, unsigned threads) {
+                     number const* w, FleetSteps<number>* steps, unsigned threads) {
         expects(packs_.size() > 0 && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
                 "psi: filters x parameters; y: a number for each filter");
         Index const all = packs_.size(), shares = std::clamp<Index>(Index(threads), 1, all);
         while (Index(workspaces_.size()) < shares)
             workspaces_.push_back({packs_.workspace(), std::vector<pack>(size_t(size_))});
         auto const work = [&](Index share) {
-            update_groups<reports>(workspaces_[size_t(share)], psi, y, steps, all * share / shares,
-                                   all * (share + 1) / shares);
+            update_groups<reports, weighs>(workspaces_[size_t(share)], psi, y, w, steps, all * share / shares,
+                                           all * (share + 1) / shares);
         };
         detail::among_threads(shares, work);
         ++rows_;
@@ -298,15 +289,21 @@ private:
         counts_.missing += missing;
         return missing;
     }
-    template <bool reports>
+    template <bool reports, bool weighs>
     void update_groups(Workspace& own, Eigen::Ref<Matrix<number> const> const& psi,
-                       Eigen::Ref<Vector<number> const> const& y, FleetSteps<number>* steps, Index first, Index last) {
+                       Eigen::Ref<Vector<number> const> const& y, [[maybe_unused]] number const* w,
+                       FleetSteps<number>* steps, Index first, Index last) {
         Eigen::Map<Vector<pack>> row(own.row.data(), size_);
         own.counts = {};
         for (Index g = first; g < last; ++g) {
             Index const from = g * lanes, here = std::min<Index>(lanes, filters_ - from);
             pack output = loaded(y.data() + from, here);
             Mask present = isfinite(output);
+            [[maybe_unused]] pack weight(number(1));
+            if constexpr (weighs) {
+                weight = loaded(w + from, here);
+                present = present && isfinite(weight) && pack() <= weight;
+            }
             for (Index i = 0; i < size_; ++i) {
                 row[i] = loaded(psi.col(i).data() + from, here);
                 present = present && isfinite(row[i]);
@@ -321,12 +318,16 @@ private:
                 }
                 for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
                 output = select(present, output, pack());
+                if constexpr (weighs) weight = select(present, weight, pack(number(1)));
             } else {
                 own.counts.taken += lanes;
             }
             packs_.prefetch_behind(g);
             F& filter = whole ? packs_.read(g, own.filter) : packs_.read_some(g, own.filter);
-            Step<pack> const step = filter.update(row, output);
+            Step<pack> const step = [&] {
+                if constexpr (weighs) return filter.update(row, output, weight);
+                else return filter.update(row, output);
+            }();
             if (whole) packs_.write(g, filter);
             else packs_.write_some(g, own.filter, filter, present);
             worsen(health_[size_t(g)], step.health, present);

@@ -93,6 +93,10 @@ template <class F>
 using OneLaneOf = typename OneLane<F>::type;
 template <class F>
 concept HasOneLane = requires { typename OneLaneOf<F>; };
+template <template <class> class Around, HasOneLane F>
+struct OneLane<Around<F>> {
+    using type = Around<OneLaneOf<F>>;
+};
 
 template <class X>
 constexpr bool counts_all_lanes_at_once();
