@@ -22,8 +22,8 @@ namespace rlslab {
 ///   (5) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
 ///
 /// theta (R theta = z) and K (R'R K = psi) are solved for on request, d^2/2 and d^2 multiplications. Rounding of c_i
-/// makes P drift with lambda = 1, as that of inverse_qr (docs/theory.md 45); theta does not. Storage d^2 (half used).
-/// Per update 2 d^2 + O(d) multiplications (1.5 d^2 where float and double take one pass, 2.5 d^2 in (5)), d square
+/// makes P drift with lambda = 1, as that of inverse_qr (docs/theory.md 45); theta does not. Storage d^2 (half used);
+/// per update 2 d^2 + O(d) multiplications (1.5 d^2 where float and double take one pass, 2.5 d^2 in (5)), d square
 /// roots. Starts without a prior: while R has a zero on its diagonal the innovation is NaN, health undetermined.
 /// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <RootedScalar T, int N = Dynamic>
