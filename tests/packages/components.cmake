@@ -4,7 +4,8 @@ include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/all)
 file(GLOB_RECURSE whole RELATIVE ${WORK_DIR}/all ${WORK_DIR}/all/*)
 set(parts "")
-foreach(component headers kernels native library c core catalogue studies bench sparse program python)
+foreach(component headers kernels native library c core catalogue studies bench sparse program python
+    python_reference)
   execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/${component} --component
       ${component})
   file(GLOB_RECURSE ${component} RELATIVE ${WORK_DIR}/${component} ${WORK_DIR}/${component}/*)
