@@ -1,6 +1,10 @@
 # rlslab_add_bench(NAME FILE): a program that times the class Mine in FILE beside the variants (docs/bench.md). In an
 # installation; in the tree, ./lab bench --mine FILE. What Mine needs to be linked with is added to NAME as usual.
 function(rlslab_add_bench name file)
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    message(WARNING "rlslab_add_bench: no build type, so nothing is optimised: configure with "
+      "-DCMAKE_BUILD_TYPE=Release")
+  endif()
   set(from ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/bench)
   get_filename_component(file ${file} ABSOLUTE)
   foreach(scalar double float)

@@ -106,6 +106,9 @@ public:
             return std::tuple(row.size, row.peer,
                               row.peer || row.run.error_occurred ? 0 : counter(row.run, "ns_per_update"));
         });
+#ifndef __OPTIMIZE__
+        fmt::print("compiled without optimisation: these times are nobody's\n");
+#endif
         fmt::print("{}\nns of one update; rows/s: at which 99.99 % are done before the next row arrives\n", machine_);
         Index size = 0;
         for (Row const& row : rows_) {

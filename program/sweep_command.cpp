@@ -94,7 +94,8 @@ int run_sweep(SweepArguments& a) {
 Command sweep_command(CLI::App& app) {
     auto const a = std::make_shared<SweepArguments>();
     CLI::App* const sweeping = app.add_subcommand(
-        "sweep", "The variants on a record, over forgetting, prior, arithmetic, model order and orders of rows.");
+        "sweep",
+        "The variants on a record, over variant, forgetting, prior, arithmetic, model order and orders of rows.");
     sweeping->footer(
         "Forgetting in two arithmetics:  rlslab sweep data.csv --input u --output y --order 4 --vary "
         "forgetting=0.9,0.99,1 --vary arithmetic=float,p11 --out sweep\n"

@@ -145,7 +145,7 @@ void take(Server& server, std::string const& line) {
              number(line.substr(second + 1), value))
         server.read(line.substr(0, first), hours, value);
     else {
-        std::fprintf(stderr, "line %ld: expected NAME,HOURS,VALUE or remove,NAME: %s\n", long(server.rows()) + 1,
+        std::fprintf(stderr, "line %ld: expected NAME,HOURS,VALUE or remove,NAME: %s\n", long(server.rows()),
                      line.substr(0, 100).c_str());
         server.skip();
     }

@@ -38,6 +38,7 @@ def identify(
     control: Any = None,
     validate: float = 1 / 3,
     confidence: float = 0.95,
+    sample_time: float | None = None,
 ) -> Identification:
     """An ARX model of a record, its uncertainty, and whether to believe it: what `rlslab identify` does.
 
@@ -66,6 +67,8 @@ def identify(
         The part at the end that is held out.
     confidence : float
         Of the intervals in `summary`.
+    sample_time : float, optional
+        Seconds from sample to sample: `summary` and `to_dict` are then in seconds and hertz.
 
     Returns
     -------
@@ -114,6 +117,7 @@ def identify(
             control=_program.control(control),
             validate=validate,
             confidence=level,
+            sample_time=sample_time,
             no_timings=True,
         )
         return _program.run(["identify", "-", *words], csv, ("model.json", "model.html"))

@@ -270,6 +270,7 @@ std::string text_of(Part const& part, std::string const& name, Estimate estimate
 }
 /// "2 of 20 seeds outside: fewer than 41 % of all", of the group that has most.
 std::string outside_text(size_t outside, size_t seeds) {
+    if (outside == seeds) return fmt::format(", all {} seeds outside", seeds);
     return fmt::format(", {} of {} seeds outside: fewer than {:.2g} % of all", outside, seeds,
                        100 * proportion_interval(double(outside), double(seeds), 2 * claim_risk).high);
 }

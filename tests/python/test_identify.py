@@ -68,6 +68,8 @@ def test_the_words_of_statsmodels():
     assert np.allclose(m.zeros[0], [-0.5], atol=0.05) and np.allclose(m.gain, 7.5, atol=0.5)
     assert m.fit["one_step"] > 90 and m.remarks == m.to_dict()["warnings"] + m.to_dict()["hints"]
     assert m.page.startswith("<!") and m.structure in repr(m)
+    assert "Hz" in rlslab.identify(y, u, order=2, sample_time=0.01).summary() and "Hz" not in m.summary()
+    refuses(lambda: rlslab.identify(y, u, order=2, sample_time=-1.0))
 
 
 @pytest.mark.parametrize(
