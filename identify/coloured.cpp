@@ -1,6 +1,8 @@
 // Extended least squares and instrumental variables around ud, over the fitted rows of the equation.
 #include "identify/coloured.hpp"
 
+#include "identify/noise_limit.hpp"
+
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
@@ -152,9 +154,13 @@ Cured with_noise_model(IdentifyOptions const& options, Structure const& structur
     Index const d = r.parameters();
     Cured out{.of_noise = true, .order = n, .rows = r.rows()};
     ExtendedLeastSquares<Ud<double>> f({.size = d + n, .prior = prior_of(estimate, n, 1 / estimate.sigma2)}, n);
+    Matrix<double> phi = Matrix<double>::Zero(d + n, record.fitted - r.presample);
     for_each_sample(
         rows, record.fitted,
-        [&](Index k, Index) { out.health = worse(out.health, f.update(r.sample(k), r.y[k]).health); },
+        [&](Index k, Index at) {
+            out.health = worse(out.health, f.update(r.sample(k), r.y[k]).health);
+            for (Index i = 0; i < d + n; ++i) phi(i, at) = f.phi()[i];
+        },
         [&](Index) { f.pass_time(); });
     Vector<double> const theta = f.theta();
     Vector<double> e = Vector<double>::Constant(record.fitted - r.presample, NAN);
@@ -175,9 +181,10 @@ Cured with_noise_model(IdentifyOptions const& options, Structure const& structur
         c.push_back(theta[d + i - 1]);
         out.parameters.push_back({fmt::format("c{}", i), fmt::format("e[k-{}]", i), c.back(), NAN, NAN});
     }
-    Matrix<double> const P = f.filter().covariance();
-    for (Index i = 0; i < d + n; ++i) out.parameters[size_t(i)].sd = std::sqrt(out.sigma2 * P(i, i));
     out.farthest = farthest_from_one(c);
+    if (!(out.farthest < 1)) return out;
+    Vector<double> const sd = limit_deviations(phi, c, f.filter().covariance(), out.sigma2);
+    for (Index i = 0; i < d + n; ++i) out.parameters[size_t(i)].sd = sd[i];
     return out;
 }
 

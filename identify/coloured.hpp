@@ -12,7 +12,7 @@ void expect_cures(IdentifyOptions const& options, Structure const& structure, Re
 /// --noise-model n: A y = B u + c + C e by ExtendedLeastSquares<Ud<double>> over the fitted rows, a row that misses a
 /// value is passed by. Prior: that of the model, and P0 = 1 / sigma^2 of each c_i, a standard deviation of 1. Its
 /// residuals, sigma^2 and their test are those of the last parameters, e = (A y - B u - c) / C from e = 0 on. sd:
-/// sigma^2 P (docs/theory.md 89).
+/// those of the limit (noise_limit.hpp); NaN where |C(e^iw) - 1| reaches 1, where there may be none.
 Cured with_noise_model(IdentifyOptions const& options, Structure const& structure, Record const& record,
                        Estimate const& estimate);
 

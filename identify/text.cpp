@@ -146,14 +146,15 @@ std::vector<std::vector<std::string>> cured_rows(Cured const& c) {
     return out;
 }
 std::string cured_title(Cured const& c) {
-    return c.of_noise ? fmt::format(
-                            "noise model: C e with C of order {}, by extended least squares over {} rows; sd is "
-                            "(sigma^2 P)^(1/2), of first order and for C near 1 (docs/theory.md 89)",
-                            c.order, c.rows)
-                      : fmt::format(
-                            "instruments: the equation's inputs and constant, and further past of each input ({} "
-                            "lag{}), over {} rows; sd is of first order, for noise of any colour (docs/theory.md 90)",
-                            c.order, c.order == 1 ? "" : "s", c.rows);
+    return c.of_noise
+               ? fmt::format(
+                     "noise model: C e with C of order {}, by extended least squares over {} rows; sd is of first "
+                     "order (docs/theory.md 89)",
+                     c.order, c.rows)
+               : fmt::format(
+                     "instruments: the equation's inputs and constant, and further past of each input ({} "
+                     "lag{}), over {} rows; sd is of first order, for noise of any colour (docs/theory.md 90)",
+                     c.order, c.order == 1 ? "" : "s", c.rows);
 }
 std::vector<std::string> cured_lines(Cured const& c) {
     LjungBox const& w = c.ljung_box;
@@ -167,7 +168,7 @@ std::vector<std::string> cured_lines(Cured const& c) {
                           ? fmt::format("|C(e^iw) - 1| < 1 at every w (at most {:.3g}): the recursion converges there",
                                         c.farthest)
                           : fmt::format("|C(e^iw) - 1| reaches {}, not below 1: the recursion may converge slowly or "
-                                        "not at all",
+                                        "not at all: no sd is given",
                                         number_text(c.farthest, 3)));
     return out;
 }
