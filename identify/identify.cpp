@@ -1,6 +1,7 @@
 // The steps in order: read, test the inputs, choose a structure, estimate, validate, remark.
 #include "identify/identify.hpp"
 
+#include "identify/coloured.hpp"
 #include "identify/inputs.hpp"
 #include "identify/remarks.hpp"
 #include "identify/validate.hpp"
@@ -67,6 +68,7 @@ Identified identify(DataFile const& file, IdentifyOptions const& given, Progress
     Record const record = read_record(file, options);
     InputCheck const inputs = check_inputs(record, options, progress);
     Structure const structure = choose_structure(record, options, inputs.supported);
+    expect_cures(options, structure, record);
     Rows const rows = rows_of(structure.terms, record.inputs, record.y);
     Records const fitted = rows.before(record.fitted).records;
     Estimation const estimation =
@@ -83,6 +85,9 @@ Identified identify(DataFile const& file, IdentifyOptions const& given, Progress
     out.means = record.means;
     out.excitation = inputs.excitation;
     out.tracked = tracked_by(options, estimation.estimate, rows, record.means.back());
+    if (options.noise_model) out.noise_model = with_noise_model(options, structure, record, estimation.estimate);
+    if (options.instruments) out.instruments = with_instruments(options, structure, record, estimation.estimate);
+    if (!out.ljung_box.white()) out.cure = cure_for(out, record);
     out.remarks = joined(joined(inputs.remarks, estimation.remarks), remarks_on(out));
     std::ranges::stable_sort(out.remarks, {}, [](Remark const& remark) { return std::pair(remark.hint, remark.rank); });
     return out;

@@ -38,6 +38,8 @@ struct IdentifyOptions {
     double confidence = 0.95;
     std::optional<double> sample_time = {};  ///< seconds, 1e-15 to 1e15; nullopt: time is in samples
     Composition composition = {};            ///< around the variant, beside the model: Identified::tracked
+    std::optional<int> noise_model = {};     ///< n of C = 1 + c1 q^-1 + ... + cn q^-n: Identified::noise_model
+    std::optional<int> instruments = {};     ///< further past lags of each input: Identified::instruments
 };
 
 /// A term of the equation: theta times -y[k-lag], u[k-lag] of an input, or 1.
@@ -164,6 +166,25 @@ struct Validation {
                                                      ///< the held-out part; empty without an input
 };
 
+/// A parameter beside the model's least squares estimate; NaN: it has none.
+struct CuredParameter {
+    std::string name, regressor;
+    double value, sd, least_squares;
+    double shift() const { return (least_squares - value) / sd; }  ///< of least squares
+};
+
+/// The equation's parameters by a method that coloured noise does not bias (coloured.hpp).
+struct Cured {
+    bool of_noise = false;                        ///< by a model of the noise; else by instruments
+    int order = 0;                                ///< of the noise; or the further lags of each input
+    Index rows = 0;                               ///< fitted
+    std::vector<CuredParameter> parameters = {};  ///< the equation's; then those of the noise
+    double sigma2 = NAN;                          ///< variance of its residuals
+    LjungBox ljung_box = {NAN, NAN, 0, 0};        ///< of its residuals
+    double farthest = NAN;                        ///< max |C(e^iw) - 1| of the noise model
+    Health health = Health::sound;                ///< the worst of all rows
+};
+
 struct Identified : Structure,
                     Estimate,
                     Criteria,
@@ -171,13 +192,15 @@ struct Identified : Structure,
     std::string file = {};
     std::string sha256 = {};  ///< of the file
     IdentifyOptions options = {};
-    Index samples = 0, fitted = 0, held_out = 0;  ///< fitted: rows of the equation; held_out: samples
-    Index skipped = 0;                            ///< rows of the equation that miss a value
-    std::vector<double> means = {};               ///< subtracted from each input, then from the output
-    std::vector<Excitation> excitation = {};      ///< of each input over the fitted part
-    std::optional<Tracked> tracked = {};          ///< if a composition was given
-    std::vector<Remark> remarks = {};             ///< warnings before hints, each by rank
-    std::optional<report::Provenance> run = {};   ///< with it JSON and page say which run they are from
+    Index samples = 0, fitted = 0, held_out = 0;              ///< fitted: rows of the equation; held_out: samples
+    Index skipped = 0;                                        ///< rows of the equation that miss a value
+    std::vector<double> means = {};                           ///< subtracted from each input, then from the output
+    std::vector<Excitation> excitation = {};                  ///< of each input over the fitted part
+    std::optional<Tracked> tracked = {};                      ///< if a composition was given
+    std::optional<Cured> noise_model = {}, instruments = {};  ///< if their options were given
+    std::string cure = {};             ///< the options to try where residuals are not white; empty: none (cure_for)
+    std::vector<Remark> remarks = {};  ///< warnings before hints, each by rank
+    std::optional<report::Provenance> run = {};  ///< with it JSON and page say which run they are from
 
     std::vector<std::string> warnings() const, hints() const;  ///< their sentences
     std::string next() const;                                  ///< of the first remark that has one; "" if none has

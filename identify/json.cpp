@@ -22,6 +22,29 @@ Json complexes(std::vector<std::complex<double>> const& values) {
     return out;
 }
 
+Json whiteness_json(LjungBox const& w) {
+    return {{"p", number(w.p)},     {"Q", number(w.Q)},  {"lags", w.lags}, {"degrees_of_freedom", w.freedom},
+            {"level", white_level}, {"white", w.white()}};
+}
+Json cured_json(Cured const& c, char const* order) {
+    Json parameters = Json::array();
+    for (CuredParameter const& p : c.parameters)
+        parameters.push_back({{"name", p.name},
+                              {"of", p.regressor},
+                              {"value", number(p.value)},
+                              {"sd", number(p.sd)},
+                              {"least_squares", number(p.least_squares)},
+                              {"shift", number(p.shift())}});
+    Json out = {{order, c.order},
+                {"rows", c.rows},
+                {"parameters", parameters},
+                {"sigma2", number(c.sigma2)},
+                {"whiteness", whiteness_json(c.ljung_box)},
+                {"health", name_of(c.health)}};
+    if (c.of_noise) out["farthest_from_1"] = number(c.farthest), out["converges"] = c.farthest < 1;
+    return out;
+}
+
 Json tracked_json(Tracked const& t) {
     Json rows = Json::array();
     for (TrackedRow const& r : t.rows)
@@ -196,13 +219,7 @@ std::string as_json(Identified const& m) {
          {{"one_step", number(m.fit_one_step)},
           {"held_out_one_step", number(m.held_out_one_step)},
           {"held_out_simulated", number(m.held_out_simulated)}}},
-        {"whiteness",
-         {{"p", number(m.ljung_box.p)},
-          {"Q", number(m.ljung_box.Q)},
-          {"lags", m.ljung_box.lags},
-          {"degrees_of_freedom", m.ljung_box.freedom},
-          {"level", white_level},
-          {"white", m.ljung_box.white()}}},
+        {"whiteness", whiteness_json(m.ljung_box)},
         {"residual_correlation", numbers(m.auto_correlation)},
         {"constancy", constancy_json(m.constancy, clock)},
         {"output", model ? outputs_json(m, clock) : Json(nullptr)},
@@ -211,6 +228,8 @@ std::string as_json(Identified const& m) {
         {"condition", number(m.condition)}};
     Json all = out;
     if (m.tracked) all["tracked"] = tracked_json(*m.tracked);
+    if (m.noise_model) all["noise_model"] = cured_json(*m.noise_model, "order");
+    if (m.instruments) all["instruments"] = cured_json(*m.instruments, "further_lags");
     if (m.run) all["run"] = Json::parse(as_json(*m.run));
     return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }

@@ -64,6 +64,13 @@ std::string as_page(Identified const& m) {
     body += table_html(
         {"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
     body += "</section>\n";
+    for (auto const& cured : {m.noise_model, m.instruments}) {
+        if (!cured) continue;
+        body += fmt::format("<section><p>{}</p>\n", escaped(cured_title(*cured)));
+        body += table_html(cured_header(), cured_rows(*cured));
+        for (std::string const& words : cured_lines(*cured)) body += fmt::format("<p>{}</p>", escaped(words));
+        body += "</section>\n";
+    }
     for (auto const& lines : {data_lines(m), input_lines(m)})
         for (std::string const& words : lines) body += fmt::format("<p class=\"soft\">{}</p>", escaped(words));
     if (m.run) body += as_html(*m.run);

@@ -104,11 +104,11 @@ Rule const rules_on_dynamics[] = {
 bool fits_past_outputs(Model m) {
     return std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
 }
-/// Which types estimate without bias where the noise has dynamics of its own.
+/// What estimates without bias where the noise has dynamics of its own.
 std::string for_coloured_noise(Model m) {
     if (!fits_past_outputs(m) || !m.past_inputs.empty()) return "";
-    return fmt::format("; in C++ ExtendedLeastSquares estimates the noise's dynamics, too{} (docs/library.md)",
-                       m.options.inputs.empty() ? "" : ", and InstrumentalVariables does without them");
+    return fmt::format("; --noise-model estimates the noise's dynamics, too{}",
+                       m.options.inputs.empty() ? "" : ", and --instruments does without them");
 }
 Rule const rules_on_whiteness[] = {
     {Rank::whiteness, [](Model m) { return m.options.forgetting != 1 && !m.ljung_box.white(); },
@@ -133,7 +133,9 @@ Rule const rules_on_whiteness[] = {
                  : "",
              for_coloured_noise(m));
      },
-     more_terms},
+     [](Model m) {
+         return m.noise_model && m.noise_model->ljung_box.white() ? "" : m.cure.empty() ? more_terms(m) : m.cure;
+     }},
 };
 
 /// "row 120 (1.19 s)": where the CUSUM of squares is farthest off, or else where the CUSUM crosses its line.

@@ -38,6 +38,19 @@ std::string as_table(Identified const& m, size_t columns) {
                            number_text(p.value, 6), number_text(p.sd, 2), number_text(p.lower, 5),
                            number_text(p.upper, 5));
     out += '\n';
+    for (auto const& cured : {m.noise_model, m.instruments}) {
+        if (!cured) continue;
+        out += in_lines(cured_title(*cured)) + '\n';
+        for (CuredParameter const& p : cured->parameters) of = std::max(of, p.regressor.size());
+        auto rows = cured_rows(*cured);
+        rows.insert(rows.begin(), cured_header());
+        for (auto const& r : rows)
+            out += fmt::format("  {:<{}}  {:<{}} {:>12} {:>9} {:>14} {:>10}\n", r[0], name, r[1], of, r[2], r[3], r[4],
+                               r[5]);
+        out += '\n';
+        for (std::string const& words : cured_lines(*cured)) out += in_lines(words);
+        out += '\n';
+    }
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;
 }

@@ -46,18 +46,21 @@ std::string crossing_text(ConstancyPath const& path, Constancy const& c, Clock c
 
 std::string tail(double p) { return p == 0 ? "p < 1e-300" : fmt::format("p = {:.3g}", p); }
 
+std::string whiteness_text(double sigma2, LjungBox const& w, bool judged) {
+    std::string const verdict = w.Q == 0  ? "nothing is left beyond rounding"
+                                : !judged ? "no verdict on those of the last theta over all rows"
+                                          : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white",
+                                                        tail(w.p), w.white() ? ">=" : "<", white_level);
+    return fmt::format("sigma^2 = {}; {} (Ljung-Box: Q = {}, {} lags, {} degrees of freedom)", number_text(sigma2, 4),
+                       verdict, number_text(w.Q, 4), w.lags, w.freedom);
+}
+
 std::string residual_line(Identified const& m) {
     LjungBox const& w = m.ljung_box;
     if (std::isnan(w.p))
         return fmt::format("residuals: sigma^2 = {} of the certified minimiser; those of the variant are not numbers",
                            number_text(m.sigma2, 4));
-    std::string const verdict = w.Q == 0 ? "nothing is left beyond rounding"
-                                : m.options.forgetting != 1
-                                    ? "no verdict on those of the last theta over all rows"
-                                    : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white",
-                                                  tail(w.p), w.white() ? ">=" : "<", white_level);
-    return fmt::format("residuals: sigma^2 = {}; {} (Ljung-Box: Q = {}, {} lags, {} degrees of freedom)",
-                       number_text(m.sigma2, 4), verdict, number_text(w.Q, 4), w.lags, w.freedom);
+    return "residuals: " + whiteness_text(m.sigma2, w, m.options.forgetting == 1);
 }
 
 /// "largest correlation with past u 0.21 at lag 3".
@@ -131,6 +134,42 @@ std::vector<std::string> order_lines(Identified const& m) {
 std::vector<std::string> parameter_names(Identified const& m) {
     std::vector<std::string> out;
     for (Term const& t : m.terms) out.push_back(printable(t.name));
+    return out;
+}
+
+std::vector<std::string> cured_header() { return {"parameter", "of", "estimate", "sd", "least squares", "off by sd"}; }
+std::vector<std::vector<std::string>> cured_rows(Cured const& c) {
+    std::vector<std::vector<std::string>> out;
+    for (CuredParameter const& p : c.parameters)
+        out.push_back({printable(p.name), p.regressor, number_text(p.value, 6), number_text(p.sd, 2),
+                       number_text(p.least_squares, 6), number_text(p.shift(), 2)});
+    return out;
+}
+std::string cured_title(Cured const& c) {
+    return c.of_noise
+               ? fmt::format(
+                     "noise model: C e with C of order {}, by extended least squares over {} rows; sd is of first "
+                     "order (docs/theory.md 89)",
+                     c.order, c.rows)
+               : fmt::format(
+                     "instruments: the equation's inputs and constant, and further past of each input ({} "
+                     "lag{}), over {} rows; sd is of first order, for noise of any colour (docs/theory.md 90)",
+                     c.order, c.order == 1 ? "" : "s", c.rows);
+}
+std::vector<std::string> cured_lines(Cured const& c) {
+    LjungBox const& w = c.ljung_box;
+    std::vector<std::string> out{
+        "their residuals: " + whiteness_text(c.sigma2, w, true) +
+        (c.of_noise || w.white() ? "" : "; they need not be white, the instruments allow for that")};
+    if (c.health != Health::sound)
+        out.push_back(fmt::format("warning: ud broke down ({}): do not use these numbers", name_of(c.health)));
+    if (c.of_noise)
+        out.push_back(c.farthest < 1
+                          ? fmt::format("|C(e^iw) - 1| < 1 at every w (at most {:.3g}): the recursion converges there",
+                                        c.farthest)
+                          : fmt::format("|C(e^iw) - 1| reaches {}, not below 1: the recursion may converge slowly or "
+                                        "not at all: no sd is given",
+                                        number_text(c.farthest, 3)));
     return out;
 }
 

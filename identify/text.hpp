@@ -17,6 +17,12 @@ std::vector<std::string> data_lines(Identified const& model);
 std::vector<std::string> input_lines(Identified const& model);
 /// The structure, the order that each criterion suggests, and the equation with its signs.
 std::vector<std::string> order_lines(Identified const& model);
+/// The parameters of a noise model or of instruments: name, regressor, estimate, sd, least squares, shift.
+std::vector<std::string> cured_header();
+std::vector<std::vector<std::string>> cured_rows(Cured const& cured);
+/// How they were estimated; then, below the table, what their residuals say.
+std::string cured_title(Cured const& cured);
+std::vector<std::string> cured_lines(Cured const& cured);
 /// Poles, zeros, gain, fit, residuals, arithmetic, and what may make the model better.
 std::vector<std::string> result_lines(Identified const& model);
 

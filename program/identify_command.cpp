@@ -285,6 +285,15 @@ Command identify_command(CLI::App& app) {
     c->add_option("--confidence", a->options.confidence, "of the intervals; default 0.95")
         ->check(real("a number from 0.001 to 0.999999", [](double x) { return 0.001 <= x && x <= 0.999999; }))
         ->type_name("P");
+    c->add_option("--noise-model", a->options.noise_model,
+                  "N of the noise's C = 1 + c1 q^-1 + ... + cN q^-N: the parameters again, without the bias of "
+                  "coloured residuals")
+        ->check(whole(1, 200))
+        ->type_name("N");
+    c->add_option("--instruments", a->options.instruments,
+                  "the same without a model of the noise: N further past lags of each input as instruments")
+        ->check(whole(1, 1000))
+        ->type_name("N");
     c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
     c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
     c->add_flag("--json", a->json, "JSON instead of the table");
