@@ -289,9 +289,9 @@ std::optional<Remark> remark_on_cancellations(Model m) {
         return Remark{
             Rank::structure,
             fmt::format(
-                "keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are "
-                "not white",
-                m.order, finding, lower),
+                "keep order {0}: {1}, and what may cancel models the noise, for order {2} alone leaves residuals that "
+                "are not white; or order {2} with the noise apart: --order {2} --noise-model {3}",
+                m.order, finding, lower, m.order - lower),
             "", true};
     if (structure_given(m.options) && lower > 0)
         return Remark{

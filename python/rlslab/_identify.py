@@ -39,6 +39,8 @@ def identify(
     validate: float = 1 / 3,
     confidence: float = 0.95,
     sample_time: float | None = None,
+    noise_model: int | None = None,
+    instruments: int | None = None,
 ) -> Identification:
     """An ARX model of a record, its uncertainty, and whether to believe it: what `rlslab identify` does.
 
@@ -69,6 +71,9 @@ def identify(
         Of the intervals in `summary`.
     sample_time : float, optional
         Seconds from sample to sample: `summary` and `to_dict` are then in seconds and hertz.
+    noise_model, instruments : int, optional
+        The estimate again where residuals are coloured: with so many coefficients of the noise, or so many further past
+        inputs as instruments. In `summary`, and under these names in `to_dict`.
 
     Returns
     -------
@@ -118,6 +123,8 @@ def identify(
             validate=validate,
             confidence=level,
             sample_time=sample_time,
+            noise_model=noise_model,
+            instruments=instruments,
             no_timings=True,
         )
         return _program.run(["identify", "-", *words], csv, ("model.json", "model.html"))

@@ -70,6 +70,8 @@ def test_the_words_of_statsmodels():
     assert m.page.startswith("<!") and m.structure in repr(m)
     assert "Hz" in rlslab.identify(y, u, order=2, sample_time=0.01).summary() and "Hz" not in m.summary()
     refuses(lambda: rlslab.identify(y, u, order=2, sample_time=-1.0))
+    again = rlslab.identify(y, u, order=2, noise_model=1, instruments=2).to_dict()
+    assert again["noise_model"] and again["instruments"] and "noise_model" not in m.to_dict()
 
 
 @pytest.mark.parametrize(
