@@ -1,8 +1,9 @@
 // fleet/VARIANT/double8/SIZE and float16: a million filters in the order of memory, one row each; ns per filter, and
 // bytes of state moved. ud_steps/: with a report of each filter; ud_missing/: that, and every tenth filter misses its
-// samples.
+// samples. ud_guard/ and ud_guard_missing/: the same of guarded filters, whose state's bytes are an upper bound.
 #include "bench/rows.hpp"
 
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/many/fleet.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -67,6 +68,8 @@ Rows const added([] {
     Kind const bare{""}, two_threads{"_2_threads", 2}, steps{"_steps", 1, true}, missing{"_missing", 1, true, true};
     add<Ud<Pack<double, 8>, 4>>("double8", 4, {bare, two_threads, steps, missing});
     add<Ud<Pack<float, 16>, 4>>("float16", 4, {bare, two_threads, steps, missing});
+    add<Guarded<Ud<Pack<double, 8>, 4>>>("double8", 4,
+                                         {{"_guard"}, {"_guard_steps", 1, true}, {"_guard_missing", 1, true, true}});
     add<Conventional<Pack<double, 8>, 4>>("double8", 4, {bare, two_threads});
     add<Conventional<Pack<float, 16>, 4>>("float16", 4, {bare, two_threads});
 });

@@ -14,7 +14,8 @@ page = root / "docs/types.md"
 # A heading, and header: types. Those behind `left out` are parts of others, or concepts' helpers.
 sections = [
     ("A problem, a row, a step", [("src/rlslab/core/problem.hpp", "Problem Prior Step Health Regressor")]),
-    ("A guard", [("src/rlslab/adapt/guard.hpp", "Guarded GuardOptions GuardSignal GuardCounts"),
+    ("A guard", [("src/rlslab/adapt/guard.hpp", "Guarded GuardOptions"),
+                 ("src/rlslab/adapt/guard_signal.hpp", "GuardSignal GuardCountsOf"),
                  ("src/rlslab/adapt/guard_policy.hpp", "GuardPolicy Action")]),
     ("A window", [("src/rlslab/adapt/window.hpp", "Windowed WindowOptions")]),
     ("Rules of forgetting", [("src/rlslab/adapt/forgetting.hpp", "Forgetting ConstantForgetting Fortescue Kulhavy "
@@ -33,7 +34,7 @@ sections = [
     ("By name", [("catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
 ]
 left_out = """
-BoundedCount RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
+OneLane RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding FilterEach SharedFilter OfOneRegressor
 """.split()
 

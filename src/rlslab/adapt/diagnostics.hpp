@@ -237,10 +237,12 @@ typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
 /// one of the four is NaN, or P_ii or P_jj negative. The roots are taken only where the smaller of P_ii and P_jj does
 /// not decide.
 template <Real T, int N>
-bool symmetric_within(PlainCovariance<T, N> f, T const& share, Index i, Index j) {
+Truth<T> symmetric_within(PlainCovariance<T, N> f, T const& share, Index i, Index j) {
     T const difference = absolute(T(f.P(i, j) - f.P(j, i))), a = f.P(i, i), b = f.P(j, j);
-    T const least = b < a || !(b == b) ? b : a;  // a NaN of either
-    return difference <= share * least || difference <= share * (square_root(a) * square_root(b));
+    T const least = select(b < a || !(b == b), b, a);  // a NaN of either
+    Truth<T> within = difference <= share * least;
+    if (!all(within)) within = within || difference <= share * (square_root(a) * square_root(b));
+    return within;
 }
 
 /// Keeps P in full storage, and is no variant that is `mirrored`, whose P is symmetric by construction, nor around one.
@@ -249,7 +251,7 @@ concept MayLoseSymmetry = NamesItsForm<F> && !requires { requires F::mirrored; }
                           requires(F f, typename F::scalar x) { symmetric_within(f.form(), x, Index(0), Index(0)); };
 
 template <MayLoseSymmetry F>
-bool symmetric_within(F& f, typename F::scalar const& share, Index i, Index j) {
+Truth<typename F::scalar> symmetric_within(F& f, typename F::scalar const& share, Index i, Index j) {
     return symmetric_within(f.form(), share, i, j);
 }
 

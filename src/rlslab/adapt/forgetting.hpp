@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
-#include <rlslab/adapt/bounded_count.hpp>
+#include <rlslab/state/bounded_count.hpp>
 #include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/rule_number.hpp>
 

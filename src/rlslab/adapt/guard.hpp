@@ -4,49 +4,30 @@
 
 #include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/guard_policy.hpp>
+#include <rlslab/adapt/guard_signal.hpp>
 #include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/window.hpp>
+#include <rlslab/state/lanes.hpp>
 
 #include <algorithm>
-#include <tuple>
 
 namespace rlslab {
 
 /// What a guard needs of a filter: e and s before the update, P_jj, a restart, and a row that holds P down.
 template <class F>
-concept Guardable =
-    RecursiveLeastSquares<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
-    requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
-        detail::look_at(f, a, x);
-        variance(f, Index(0));
-        watched_variance(f, Index(0));
-        restart(f, x, a, x);
-        cap_row(f, a, x, x);
-    };
+concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> &&
+                    (std::same_as<Truth<typename F::scalar>, bool> || KeepsLanesApart<F>)&&requires(
+                        F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
+                        detail::look_at(f, a, x);
+                        variance(f, Index(0));
+                        watched_variance(f, Index(0));
+                        restart(f, x, a, x);
+                        cap_row(f, a, x, x);
+                    };
 /// hand_over(): goes on in a sounder variant; false where what was held is lost, or where it has gone on there before.
 template <class F>
 concept HandsOver = requires(F& f) {
     { f.hand_over() } -> std::same_as<bool>;
-};
-
-/// What a guard saw of a row, the worst first.
-enum class GuardSignal : unsigned char { none, unusable, breakdown, change, outlier, windup };
-
-constexpr std::string_view name_of(GuardSignal signal) {
-    constexpr std::string_view names[] = {"none", "unusable", "breakdown", "change", "outlier", "windup"};
-    return names[static_cast<int>(signal)];
-}
-
-struct GuardCounts {
-    Index rows = 0;      ///< offered
-    Index unusable = 0;  ///< not finite, or out of range: skipped
-    Index outliers = 0;  ///< failed the innovation test
-    Index changes = 0;   ///< 5 outliers among 6 rows
-    Index windups = 0;   ///< P_jj > largest_variance
-    Index breakdowns =
-        0;  ///< a step that is indefinite, not finite, or again undetermined; P_jj <= 0 or not finite; asymmetry
-
-    static auto state(auto& c) { return std::tie(c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns); }
 };
 
 template <Field T>
@@ -78,26 +59,34 @@ struct GuardOptions {
 /// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
 /// min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule of forgetting s is that of before the rule.
 /// (2) takes P0 at its word: theta0's error beyond c sqrt(P0 s2) makes outliers of the rows that first show it.
+/// Of packs: each lane as the scalar guard around its own filter, with signals, counts and a largest_variance of its
+/// own (the other options are one for all lanes); neither rebuilding nor handing over. Where not all lanes do the same,
+/// a thread allocates at its first such row, and a median is taken in memory that is allocated for it.
 /// Thresholds of (2): docs/theory.md 61; of (4) and (5): 88. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000
 /// (cited, not read), in squares. Edition 1 had a bound of s, P_jj of every form, and a column of P in (5).
 template <Guardable F, GuardPolicy policy = resetting>
-    requires(policy.valid() && (!policy.hands_over() || HandsOver<F>))
+    requires(policy.valid() && (!policy.hands_over() || HandsOver<F>) &&
+             (std::same_as<Truth<typename F::scalar>, bool> || !(policy.rebuilds() || policy.hands_over())))
 class Guarded : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
+    using Mask = Truth<T>;  // the lanes in which something is so
+    using Count = PerLane<T, Index>;
+    using Signal = PerLane<T, GuardSignal>;
+    static constexpr bool in_packs = !std::same_as<Mask, bool>;
     using detail::AroundFilter<F, true>::filter_;
     GuardOptions<T> options_;
     T lambda_, limit_, start_ = T(0);                 // of s, y^2 and |psi|^2
     StateVector<T, detail::size_of<F>> psi_, theta_;  // workspace; theta as last seen finite
-    GuardCounts counts_;
-    GuardSignal signal_ = GuardSignal::none;
+    GuardCountsOf<Count> counts_;
+    Signal signal_ = GuardSignal::none;
     T s2_ = T(0);
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20>
         squares_;  // from which s2 is learnt
     RowRing<T> ring_;
-    BoundedCount learnt_, coordinate_;  // rows that s2 was learnt from; j
-    BoundedCount apart_;                // i = j + 1 + apart mod d in (5)
-    BoundedCount history_{0, 63};       // outliers among the last rows, a bit each, the newest lowest
-    bool determined_ = false;           // a step was sound
+    BoundedCountOf<Count> learnt_, coordinate_;  // rows that s2 was learnt from; j
+    BoundedCountOf<Count> apart_;                // i = j + 1 + apart mod d in (5)
+    BoundedCountOf<Count> history_{0, 63};       // outliers among the last rows, a bit each, the newest lowest
+    Mask determined_ = false;                    // a step was sound
 
 public:
     static constexpr bool departs = true;  ///< from the problem's J
@@ -115,38 +104,71 @@ public:
                 policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
           learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1},
           apart_{0, std::max(psi_.size() / 2, Index(1)) - 1} {
-        expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise,
+        expects(all(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise),
                 "options >= 0");
-        expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rebuild_rows >= 0,
+        expects(all(T(0) < options.asymmetry) && options.noise_memory >= 1 && options.rebuild_rows >= 0,
                 "options that make sense");
-        for (Index j = 0; problem.prior && j < psi_.size(); ++j) start_ = std::max(start_, variance(filter_, j));
-        if (!(T(0) < start_) || !is_finite(start_)) start_ = T(16384);
-        if (options_.largest_variance == T(0)) options_.largest_variance = T(16) * start_;
+        if constexpr (in_packs)
+            for (T const& x : {options.innovation, options.least_noise, options.asymmetry})
+                expects(all(x == T(x[0])), "innovation, least_noise and asymmetry that are alike in all lanes");
+        for (Index j = 0; problem.prior && j < psi_.size(); ++j) {
+            T const v = variance(filter_, j);
+            start_ = select(start_ < v, v, start_);
+        }
+        Mask const none = !(T(0) < start_) || !is_finite(start_), chosen = options_.largest_variance == T(0);
+        if (any(none)) start_ = select(none, T(16384), start_);
+        if (any(chosen)) options_.largest_variance = select(chosen, T(T(16) * start_), options_.largest_variance);
         if (problem.prior && problem.prior->theta) keep_regressor(Regressor<T>(*problem.prior->theta), theta_);
     }
 
-    Step<T> update(Regressor<T> psi, T y) {
+    Step<T> update(Regressor<T> psi, T y) { return update_lanes(true, psi, y); }
+    /// A row for the filters of these lanes. For the others there was none: their steps tell nothing.
+    Step<T> update_lanes(Truth<T> const& lanes, Regressor<T> psi, T const& y) {
         expects(psi.size() == psi_.size(), "a regressor of the problem's size");
-        ++counts_.rows;
+        count(counts_.rows, lanes);
         Innovation<T> const row = detail::look_at(filter_, psi, y);
-        if (!(T(0) < row.s && row.s <= limit_ && y * y <= limit_ && is_finite(row.e)) && !usable(psi, y)) {  // (1)
-            ++counts_.unusable;
-            signal_ = GuardSignal::unusable;
-            return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
+        Mask goes = lanes && T(0) < row.s && row.s <= limit_ && y * y <= limit_ && is_finite(row.e);
+        if (!all(goes)) goes = goes || (lanes && usable(psi, y));  // (1)
+        Step<T> step{undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
+        if (Mask const unusable = lanes && !goes; any(unusable)) {
+            count(counts_.unusable, unusable);
+            tell(unusable, GuardSignal::unusable);
         }
-        signal_ = GuardSignal::none;
-        if (armed() && is_outlier(psi, y, row)) {  // (2)
-            if (changed()) return restart_at(psi, y);
-            if constexpr (policy.outlier == Action::skip) return {row.e, row.e, T(1), Health::sound};
+        if (!any(goes)) return step;
+        tell(goes, GuardSignal::none);
+        Mask restarts = false;
+        if (Mask const tested = goes && armed(); any(tested)) {
+            Mask const out = outliers(tested, psi, y, row);  // (2)
+            if (any(out)) {
+                restarts = changed(out);
+                goes = goes && !restarts;
+                if constexpr (policy.outlier == Action::skip) {
+                    Mask const skipped = out && !restarts;
+                    step = select(skipped, Step<T>{row.e, row.e, T(1), Health::sound}, step);
+                    goes = goes && !skipped;
+                    if (!any(goes || restarts)) return step;
+                }
+            }
         }
-        if constexpr (policy.rebuilds()) keep_regressor(psi, psi_);  // which may be the gain's own numbers
-        return watch(detail::commit(filter_, row, psi, y), y);
+        if (policy.rebuilds() || any(restarts)) keep_regressor(psi, psi_);  // which may be the gain's own numbers
+        if (any(goes)) {
+            Step<T> const taken =
+                detail::on_lanes<T>(filter_, goes, [&] { return detail::commit(filter_, row, psi, y); });
+            step = select(goes, taken, step);
+        }
+        if (any(restarts)) {
+            step = select(restarts, restarted_at(restarts, y), step);
+            step = watch(restarts || goes, step, y);
+            tell(restarts, GuardSignal::change);
+            return step;
+        }
+        return watch(goes, step, y);
     }
     /// Time without a row: F's row with psi = 0. P_jj is looked at; nothing is tested, and nothing learnt of the noise.
     Step<T> pass_time() {
         signal_ = GuardSignal::none;
         detail::fill(psi_, T(0));
-        return watch(filter_.update(kept_row(), T(0)), T(0), false);
+        return watch(true, filter_.update(kept_row(), T(0)), T(0), false);
     }
     static constexpr std::string_view layer = "guard";
     static std::array<StateOption, 9> options(auto const& g) {
@@ -154,11 +176,11 @@ public:
                  {"on_change", double(policy.change)},
                  {"on_windup", double(policy.windup)},
                  {"on_breakdown", double(policy.breakdown)},
-                 {"innovation", static_cast<double>(g.options_.innovation)},
-                 {"least_noise", static_cast<double>(g.options_.least_noise)},
+                 {"innovation", static_cast<double>(detail::of_lane(g.options_.innovation, 0))},
+                 {"least_noise", static_cast<double>(detail::of_lane(g.options_.least_noise, 0))},
                  {"noise_memory", double(g.options_.noise_memory)},
-                 {"asymmetry", static_cast<double>(g.options_.asymmetry)},
-                 {"rows", double(g.counts_.rows), true}}};
+                 {"asymmetry", static_cast<double>(detail::of_lane(g.options_.asymmetry, 0))},
+                 {"rows", double(detail::of_lane(g.counts_.rows, 0)), true}}};
     }
     static auto state(auto& g) {
         return std::tie(g.filter_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance,
@@ -170,119 +192,192 @@ public:
     friend T watched_variance(Guarded& g, Index j) { return watched_variance(g.filter_, j); }
     friend T variance_along(Guarded& g, Regressor<T> psi) { return variance_along(g.filter_, psi); }
 
-    GuardSignal signal() const { return signal_; }  ///< what the last row showed
+    PerLane<T, GuardSignal> const& signal() const { return signal_; }  ///< what the last row showed; g.signal()[lane]
     /// Whether the last row tells nothing of the noise; and whether the filter started anew at it.
-    bool set_aside() const { return signal_ != GuardSignal::none && signal_ != GuardSignal::windup; }
-    bool restarted() const {
+    bool set_aside() const
+        requires(!in_packs)
+    {
+        return signal_ != GuardSignal::none && signal_ != GuardSignal::windup;
+    }
+    bool restarted() const
+        requires(!in_packs)
+    {
         return (signal_ == GuardSignal::change && policy.change == Action::reset) ||
                (signal_ == GuardSignal::breakdown && policy.breakdown != Action::report);
     }
-    GuardCounts const& counts() const { return counts_; }
-    T noise_variance() const { return s2_; }  ///< s2; 0 until it is known
+    GuardCountsOf<PerLane<T, Index>> const& counts() const { return counts_; }  ///< g.counts().rows[lane]
+    T noise_variance() const { return s2_; }                                    ///< s2; 0 until it is known
+    /// As if the filters of these lanes had been shown no row.
+    void forget_signal(Truth<T> const& lanes) { tell(lanes, GuardSignal::none); }
 
 private:
+    static void count(Count& of, Mask const& lanes) {
+        detail::each_lane<T>(lanes, [&](int i) { ++detail::of_lane(of, i); });
+    }
+    void tell(Mask const& lanes, GuardSignal signal) { signal_ = select(lanes, Signal(signal), signal_); }
+    /// work(n, lanes) for each value n that the count has in these lanes, and where.
+    template <class Work>
+    static void each_value(BoundedCountOf<Count> const& of, Mask const& lanes, Work work) {
+        if constexpr (!in_packs) {
+            if (lanes) work(of.n, lanes);
+        } else if (all(detail::equal_to<T>(of.n, of.n[0]))) {
+            if (any(lanes)) work(of.n[0], lanes);
+        } else {
+            for (Index n = 0; n <= of.most; ++n)
+                if (Mask const here = lanes && detail::equal_to<T>(of.n, n); any(here)) work(n, here);
+        }
+    }
     /// Else e or s out of range is the state's fault.
-    bool usable(Regressor<T> psi, T const& y) const {
+    Mask usable(Regressor<T> psi, T const& y) const {
         return dot(psi.data(), psi.data(), psi.size()) <= limit_ && y * y <= limit_;
     }
-    bool armed() const { return T(0) < options_.innovation && learnt_.n == squares_.size(); }
+    Mask learnt() const { return detail::equal_to<T>(learnt_.n, squares_.size()); }
+    Mask armed() const { return T(0) < options_.innovation && learnt(); }
     Regressor<T> kept_row() const { return {psi_.data(), psi_.size()}; }
-    bool is_outlier(Regressor<T> psi, T const& y, Innovation<T> const& row) {
-        if (!(T(0) < row.s) || !is_finite(row.s) || !(row.e == row.e)) return false;
-        T const least = options_.least_noise * options_.least_noise, s2 = s2_ < least ? least : s2_,
+    Mask outliers(Mask const& lanes, Regressor<T> psi, T const& y, Innovation<T> const& row) {
+        Mask const tested = lanes && T(0) < row.s && is_finite(row.s) && row.e == row.e;
+        if (!any(tested)) return tested;
+        T const least = options_.least_noise * options_.least_noise, s2 = select(s2_ < least, least, s2_),
                 most = options_.innovation * options_.innovation, left = row.e * row.e * lambda_;
-        bool out = !(left <= most * (s2 * row.s));  // an overflow on the left, too
-        if (out) {
+        Mask out = tested && !(left <= most * (s2 * row.s));  // an overflow on the left, too
+        if (any(out)) {
             T const rounding = T(8 * epsilon<T>()), size = dot(psi.data(), psi.data(), psi.size()),
                     made = rounding * rounding * (y * y + size * dot(theta_, theta_));
-            out = !(left <= most * (s2 * row.s + made));
+            out = out && !(left <= most * (s2 * row.s + made));
         }
-        history_.n = (history_.n << 1 | Index(out)) & 63;
-        if (out) {
-            ++counts_.outliers;
-            signal_ = GuardSignal::outlier;
-        }
+        if (any(out) || !all(detail::equal_to<T>(history_.n, 0)))
+            detail::each_lane<T>(tested, [&](int i) {
+                Index& bits = detail::of_lane(history_.n, i);
+                bits = (bits << 1 | Index(detail::of_lane(out, i))) & 63;
+            });
+        count(counts_.outliers, out);
+        tell(out, GuardSignal::outlier);
         return out;
     }
-    /// 5 of the last 6: a change, at once where the filter keeps to what it knew before.
-    bool changed() {
-        Index out = 0;
-        for (Index bits = history_.n; bits != 0; bits >>= 1) out += bits & 1;
-        if (out < 5) return false;
-        ++counts_.changes;
-        signal_ = GuardSignal::change;
-        history_.n = 0;
-        return policy.change == Action::reset;
+    /// 5 of the last 6: a change, at once where the filter keeps to what it knew before. Where it restarts.
+    Mask changed(Mask const& lanes) {
+        PerLane<T, bool> five = false;
+        detail::each_lane<T>(lanes, [&](int i) {
+            Index out = 0;
+            for (Index bits = detail::of_lane(history_.n, i); bits != 0; bits >>= 1) out += bits & 1;
+            detail::of_lane(five, i) = out >= 5;
+        });
+        Mask const changes(five);
+        count(counts_.changes, changes);
+        tell(changes, GuardSignal::change);
+        history_.n = select(changes, Count(0), history_.n);
+        return changes && Mask(policy.change == Action::reset);
     }
-    Step<T> restart_at(Regressor<T> psi, T const& y) {
-        keep_regressor(psi, psi_);
-        auto const theta = filter_.theta();
-        reset_to(Regressor<T>(theta));
-        Step<T> const step = watch(filter_.update(kept_row(), y), y);
-        signal_ = GuardSignal::change;
-        return step;
+    /// From theta as it is, and the row that was kept.
+    Step<T> restarted_at(Mask const& lanes, T const& y) {
+        forget(lanes);
+        return detail::on_lanes<T>(filter_, lanes, [&] {
+            auto const theta = filter_.theta();
+            restart(filter_, start_, Regressor<T>(theta), lambda_);
+            return filter_.update(kept_row(), y);
+        });
     }
-    void reset_to(Regressor<T> theta) {
-        restart(filter_, start_, theta, lambda_);
-        s2_ = T(0);
-        learnt_.n = 0;
-        history_.n = 0;
+    void forget(Mask const& lanes) {
+        s2_ = select(lanes, T(0), s2_);
+        learnt_.n = select(lanes, Count(0), learnt_.n);
+        history_.n = select(lanes, Count(0), history_.n);
+    }
+    void reset_to_last_finite(Mask const& lanes) {
+        detail::on_lanes<T>(filter_, lanes,
+                            [&] { restart(filter_, start_, Regressor<T>(theta_.data(), theta_.size()), lambda_); });
+        forget(lanes);
     }
     /// What follows F's step of a row; where the policy rebuilds, psi_ is the row.
-    Step<T> watch(Step<T> const& step, T const& y, bool learns = true) {
+    Step<T> watch(Mask const& lanes, Step<T> const& step, T const& y, bool learns = true) {
         if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
-        bool broken = step.health != Health::sound && (determined_ || step.health != Health::undetermined);
-        if (step.health == Health::sound) {
-            determined_ = true;
-            if (learns) learn(step.innovation * step.residual);  // (3)
-            broken = !is_covariance(coordinate_.n);
+        Mask const sound = lanes && detail::equal_to<T>(step.health, Health::sound);
+        Mask broken = lanes && !sound;
+        if (any(broken)) broken = broken && (determined_ || !detail::equal_to<T>(step.health, Health::undetermined));
+        if (any(sound)) {
+            determined_ = determined_ || sound;
+            if (learns) learn(sound, step.innovation * step.residual);  // (3)
+            each_value(coordinate_, sound,
+                       [&](Index j, Mask const& here) { broken = broken || no_covariance(j, here); });
         }
-        if (broken) repair();
-        if (coordinate_.n + 1 < psi_.size()) ++coordinate_.n;
-        else coordinate_.n = 0, apart_.n = apart_.n + 1 < psi_.size() / 2 ? apart_.n + 1 : 0;
+        if (any(broken)) repair(broken);
+        detail::each_lane<T>(lanes, [this](int i) {
+            Index &j = detail::of_lane(coordinate_.n, i), &apart = detail::of_lane(apart_.n, i);
+            if (j + 1 < psi_.size()) ++j;
+            else j = 0, apart = apart + 1 < psi_.size() / 2 ? apart + 1 : 0;
+        });
         return step;
     }
-    void learn(T const& square) {
-        if (!is_finite(square) || !(T(0) <= square)) return;
-        if (learnt_.n == squares_.size()) {
-            T const most = T(9) * s2_, clipped = square < most ? square : most;
-            s2_ += (clipped / T(0.995) - s2_) / T(double(options_.noise_memory));
-            return;
+    void learn(Mask const& lanes, T const& square) {
+        Mask const told = lanes && is_finite(square) && T(0) <= square, known = told && learnt();
+        if (any(known)) {
+            T const most = T(9) * s2_, clipped = select(square < most, square, most);
+            T next = s2_;
+            next += (clipped / T(0.995) - s2_) / T(double(options_.noise_memory));
+            s2_ = select(known, next, s2_);
         }
-        squares_[learnt_.n++] = square;
-        if (learnt_.n < squares_.size()) return;
-        T* const middle = squares_.data() + learnt_.n / 2;
-        std::nth_element(squares_.data(), middle, squares_.data() + learnt_.n);
-        s2_ = *middle / T(0.455);
+        detail::each_lane<T>(told && !known, [&](int i) {
+            Index& n = detail::of_lane(learnt_.n, i);
+            put(squares_[n++], i, detail::of_lane(square, i));
+            if (n < squares_.size()) return;
+            auto const middle = middle_square(i);
+            put(s2_, i, middle / decltype(middle)(0.455));
+        });
     }
-    /// (4) and (5); false where P is none.
-    bool is_covariance(Index j) {
+    template <class X>
+    static void put(T& to, int lane, X const& x) {
+        if constexpr (in_packs) to.set(lane, x);
+        else to = x;
+    }
+    /// Of a lane, whose squares it orders anew.
+    auto middle_square(int lane) {
+        auto const middle = [n = squares_.size()](auto* numbers) {
+            std::nth_element(numbers, numbers + n / 2, numbers + n);
+            return numbers[n / 2];
+        };
+        if constexpr (!in_packs) {
+            return middle(squares_.data());
+        } else {
+            std::vector<typename T::lane_type> own;
+            for (Index k = 0; k < squares_.size(); ++k) own.push_back(squares_[k][lane]);
+            auto const out = middle(own.data());
+            for (Index k = 0; k < squares_.size(); ++k) squares_[k].set(lane, own[size_t(k)]);
+            return out;
+        }
+    }
+    /// (4) and (5) of these lanes: where P is none.
+    Mask no_covariance(Index j, Mask const& lanes) {
         T const p = watched_variance(filter_, j);
-        if (!(T(0) < p) || !is_finite(p)) return false;
-        if constexpr (requires { symmetric_within(filter_, p, j, j); }) {
-            Index const next = j + 1 + apart_.n, i = next < psi_.size() ? next : next - psi_.size();
-            if (!symmetric_within(filter_, options_.asymmetry, i, j)) return false;
+        Mask good = lanes && T(0) < p && is_finite(p);
+        if constexpr (requires { symmetric_within(filter_, p, j, j); })
+            each_value(apart_, good, [&](Index apart, Mask const& here) {
+                Index const next = j + 1 + apart, i = next < psi_.size() ? next : next - psi_.size();
+                good = good && (!here || symmetric_within(filter_, options_.asymmetry, i, j));
+            });
+        if (Mask const high = good && options_.largest_variance < p; any(high)) {
+            count(counts_.windups, high);
+            tell(high && detail::equal_to<T>(signal_, GuardSignal::none), GuardSignal::windup);
+            if constexpr (policy.windup == Action::cap) cap(j, p, high);
         }
-        if (p > options_.largest_variance) {
-            ++counts_.windups;
-            if (signal_ == GuardSignal::none) signal_ = GuardSignal::windup;
-            if constexpr (policy.windup == Action::cap) cap(j, p);
-        }
-        if (j == 0) {
+        if (j == 0 && any(good)) {
             detail::theta_of(filter_, psi_);
-            if (all_finite(psi_)) theta_ = psi_;
+            Mask const finite = good && all_finite(psi_);
+            if (all(finite)) theta_ = psi_;
+            else if (any(finite))
+                for (Index i = 0; i < psi_.size(); ++i) theta_[i] = select(finite, psi_[i], theta_[i]);
         }
-        return true;
+        return lanes && !good;
     }
-    void cap(Index j, T const& p) {
+    void cap(Index j, T const& p, Mask const& lanes) {
         T const root = square_root(T(T(1) / options_.largest_variance - T(1) / p));
         detail::fill(psi_, T(0));
         psi_[j] = root;
         T const output = root * filter_.theta()[j];
-        cap_row(filter_, kept_row(), output, lambda_);
+        detail::on_lanes<T>(filter_, lanes, [&] { return cap_row(filter_, kept_row(), output, lambda_); });
     }
     /// The kept rows anew; without them where they are what broke the filter.
-    void rebuild() {
+    void rebuild()
+        requires(policy.rebuilds())
+    {
         Health worst = Health::sound;
         for (Index k = 0; k < ring_.held(); ++k) {
             T const* const row = ring_.row(k);
@@ -290,18 +385,25 @@ private:
         }
         if (worst == Health::sound) return;
         ring_.clear();
-        reset_to(Regressor<T>(theta_.data(), theta_.size()));
+        reset_to_last_finite(true);
     }
-    void repair() {
-        ++counts_.breakdowns;
-        signal_ = GuardSignal::breakdown;
+    void repair(Mask const& lanes) {
+        count(counts_.breakdowns, lanes);
+        tell(lanes, GuardSignal::breakdown);
         if constexpr (policy.hands_over())
             if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
-            reset_to(Regressor<T>(theta_.data(), theta_.size()));
+            reset_to_last_finite(lanes);
             if constexpr (policy.rebuilds()) rebuild();
         }
     }
 };
+
+namespace detail {
+template <HasOneLane F, GuardPolicy policy>
+struct OneLane<Guarded<F, policy>> {
+    using type = Guarded<OneLaneOf<F>, policy>;
+};
+}  // namespace detail
 
 }  // namespace rlslab

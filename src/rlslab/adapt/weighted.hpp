@@ -21,14 +21,15 @@ namespace rlslab {
 /// (2) is exact, and therefore for exact fields alone: rounding makes an error of u/w in it.
 /// psi         may be the gain's own numbers                      w = 1     F's own bits
 /// w           < 0, infinite or NaN: nothing changes, and health is nonfinite. Of packs: a weight for each lane, each
-///             with the bits of its own; allocates where a lane has such a w
+///             with the bits of its own; allocates where a lane has such a w. Not of packs that are guarded
 /// F           a variant, or what is around one: Weighted<Guarded<Windowed<Ud<float, 5>>>> keeps the scaled rows, and
 ///             tests the scaled innovation, whose variance is the same in all rows. A guard learns nothing of the
 ///             noise from (3)
 /// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and
 /// a root. Source: folklore; derived (docs/theory.md 63).
 template <OverOrderedField F>
-    requires(std::same_as<Truth<typename F::scalar>, bool> || KeepsLanesApart<F>) &&
+    requires(std::same_as<Truth<typename F::scalar>, bool> ||
+             (KeepsLanesApart<F> && !requires(F& f) { f.pass_time(); })) &&
             (Real<typename F::scalar> || TimeUpdates<F>)
 class Weighted : public detail::AroundFilter<F> {
     using T = typename F::scalar;
@@ -62,7 +63,7 @@ public:
                 for (Index i = 0; i < psi_.size(); ++i) psi_[i] = select(taken, psi_[i], T(0));
                 output = select(taken, output, T(0));
             }
-            Step<T> step = update_lanes(good, output);
+            Step<T> step = detail::on_lanes<T>(filter_, good, [&] { return filter_.update(row(), output); });
             step.innovation /= by_;
             step.residual /= by_;
             if constexpr (!std::same_as<Truth<T>, bool>)
@@ -72,7 +73,7 @@ public:
                 }
             return step;
         } else {  // (2)
-            Step<T> const step = measure(filter_, Regressor<T>(psi_.data(), psi_.size()), y, T(lambda_ / w), lambda_);
+            Step<T> const step = measure(filter_, row(), y, T(lambda_ / w), lambda_);
             discount(filter_, w);
             by_ = ReportsInformation<F> ? w : T(1);  // these solve for P psi on request
             return step;
@@ -98,20 +99,7 @@ public:
 
 private:
     static Step<T> refused() { return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite}; }
-    /// The row in psi_, for the filters of these lanes.
-    Step<T> update_lanes(Truth<T> const& lanes, T const& y) {
-        Regressor<T> const row(psi_.data(), psi_.size());
-        if constexpr (!std::same_as<Truth<T>, bool>)
-            if (!all(lanes)) {
-                detail::NumbersOfLanes<T> before;
-                detail::walk(before, filter_);
-                Step<T> const step = filter_.update(row, y);
-                detail::LanesPutBack<T> back(before, !lanes);
-                detail::walk(back, filter_);
-                return step;
-            }
-        return filter_.update(row, y);
-    }
+    Regressor<T> row() const { return {psi_.data(), psi_.size()}; }
 };
 
 }  // namespace rlslab

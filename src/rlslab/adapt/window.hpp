@@ -3,7 +3,7 @@
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
-#include <rlslab/adapt/bounded_count.hpp>
+#include <rlslab/state/bounded_count.hpp>
 #include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/remove.hpp>
 

@@ -1,6 +1,7 @@
 // Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
 #pragma once
 
+#include <rlslab/adapt/guard_signal.hpp>
 #include <rlslab/many/fleet_records.hpp>
 #include <rlslab/many/fleet_steps.hpp>
 #include <rlslab/many/threads.hpp>
@@ -25,9 +26,10 @@ concept TakesWeights = requires(F& f, Regressor<typename F::scalar> psi, typenam
 /// add() gives its number away again. Each filter may have a problem of its own, of the same size.
 ///
 /// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
-/// triangle (all of F where that is not fixed in size and stores a square), with lambda only once lambdas differ; 21
-/// bytes of health and counts; an F for each thread. A row moves that of all through the processor once. An update
-/// allocates only when it first meets that many threads. Source: layout as in arrays of structures of arrays; folklore.
+/// triangle (all of F where it is guarded, or is not fixed in size and stores a square), with lambda only once lambdas
+/// differ; 21 bytes of health and counts; an F for each thread. A row moves that of all through the processor once. An
+/// update allocates only when it first meets that many threads; of guarded filters also as Guarded says. Source: layout
+/// as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
@@ -80,7 +82,8 @@ public:
     }
 
     /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its
-    /// steps; its samples. These throw std::invalid_argument unless alive(i).
+    /// steps, of guarded filters the last step whose row was usable, since a guard mends what breaks; its samples.
+    /// These throw std::invalid_argument unless alive(i).
     Vector<number> theta(Index i) const {
         check(i);
         auto own = packs_.workspace();
@@ -96,6 +99,32 @@ public:
         check(i);
         Index const missing = at(missing_, i);
         return {rows_ - at(begun_, i) - missing, missing};
+    }
+    /// Of guarded filters: what the last sample of filter i showed, and what its guard counted. Throw
+    /// std::invalid_argument unless alive(i).
+    GuardSignal signal(Index i) const
+        requires detail::IsGuarded<F>
+    {
+        check(i);
+        auto own = packs_.workspace();
+        return packs_.read(i / lanes, own).signal()[int(i % lanes)];
+    }
+    GuardCounts guard_counts(Index i) const
+        requires detail::IsGuarded<F>
+    {
+        check(i);
+        auto own = packs_.workspace();
+        return packs_.read(i / lanes, own).counts().of_lane(int(i % lanes));
+    }
+    /// signal(i) of all; none where filter i was removed.
+    std::vector<GuardSignal> signals() const
+        requires detail::IsGuarded<F>
+    {
+        std::vector<GuardSignal> out(size_t(filters()), GuardSignal::none);
+        auto own = packs_.workspace();
+        for (Index i = 0; i < filters(); ++i)
+            if (at(alive_, i)) out[size_t(i)] = packs_.read(i / lanes, own).signal()[int(i % lanes)];
+        return out;
     }
     /// M x d: row i is theta(i), NaN where filter i was removed.
     Matrix<number> thetas() const {
@@ -162,8 +191,10 @@ public:
         detail::LaneWritten looking(int(i % lanes), false, numbers.values), keeping = looking;
         keeping.keep = true;
         detail::walk(looking, group);
-        expects(looking.same, "a filter as update() leaves it, and of the fleet's options");
+        expects(looking.same && options_of(one) == options_of(group),
+                "a filter as update() leaves it, and of the fleet's options");
         detail::walk(keeping, group);
+        if constexpr (detail::IsGuarded<F>) group.forget_signal(lane_mask(i));
         packs_.write_with_constants(i / lanes, group);
         start_counts(i, Vector<number>(one.theta()).allFinite() ? Health::sound : Health::undetermined);
     }
@@ -238,26 +269,46 @@ private:
     void begin(Index i, F const& fresh, Health first) {
         detail::NumbersOfLanes<pack> numbers;
         detail::walk(numbers, fresh);
-        pack chosen;
-        chosen.set(int(i % lanes), number(1));
-        detail::LanesPutBack<pack> back(numbers, chosen == pack(number(1)));
+        detail::LanesPutBack<pack> back(numbers, lane_mask(i));
         auto own = packs_.workspace();
         F& group = packs_.read(i / lanes, own);
         detail::walk(back, group);
+        if constexpr (detail::IsGuarded<F>) group.forget_signal(back.mask);
         packs_.write_with_constants(i / lanes, group);
         start_counts(i, first);
+    }
+    static Mask lane_mask(Index i) {
+        Lanes<bool, lanes> out(false);
+        out.value[size_t(i % lanes)] = true;
+        return Mask(out);
+    }
+    /// The options that a saved state would compare.
+    static std::vector<double> options_of(auto const& f) {
+        std::vector<double> out;
+        auto const keep = [&out](StateEntry const& entry) {
+            if (entry.kind == 'o') out.push_back(entry.value);
+        };
+        detail::describe(keep, f);
+        return out;
     }
     void start_counts(Index i, Health first) {
         at(health_, i) = first;
         at(begun_, i) = rows_;
         at(missing_, i) = 0;
     }
-    static void worsen(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step, Mask const& present) {
+    static void worsen(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step, Mask const& present,
+                       [[maybe_unused]] F const& filter) {
         static Lanes<Health, lanes> const sound(Health::sound);
         if (health.value == sound.value && step.value == sound.value) return;
-        for (int i = 0; i < lanes; ++i)
-            if (Health& mine = health.value[size_t(i)]; present[i])
+        for (int i = 0; i < lanes; ++i) {
+            Health& mine = health.value[size_t(i)];
+            if (!present[i]) continue;
+            if constexpr (detail::IsGuarded<F>) {
+                if (filter.signal()[i] != GuardSignal::unusable) mine = step[i];
+            } else {
                 mine = mine == Health::undetermined ? step[i] : worse(mine, step[i]);
+            }
+        }
     }
     /// The numbers of `count` filters in a row, NaN behind the last.
     static pack loaded(number const* from, Index count) {
@@ -323,14 +374,16 @@ private:
                 own.counts.taken += lanes;
             }
             packs_.prefetch_behind(g);
-            F& filter = whole ? packs_.read(g, own.filter) : packs_.read_some(g, own.filter);
+            constexpr bool by_lanes = detail::IsGuarded<F>;  // leaves the others itself
+            F& filter = whole || by_lanes ? packs_.read(g, own.filter) : packs_.read_some(g, own.filter);
             Step<pack> const step = [&] {
                 if constexpr (weighs) return filter.update(row, output, weight);
+                else if constexpr (by_lanes) return filter.update_lanes(present, row, output);
                 else return filter.update(row, output);
             }();
-            if (whole) packs_.write(g, filter);
+            if (whole || by_lanes) packs_.write(g, filter);
             else packs_.write_some(g, own.filter, filter, present);
-            worsen(health_[size_t(g)], step.health, present);
+            worsen(health_[size_t(g)], step.health, present, filter);
             if constexpr (reports) report(*steps, from, here, step, present);
         }
     }

@@ -79,14 +79,18 @@ template <class T, int N, class To>
 void constants(UnitInformation<T, N> f, To& to) {
     to.number(f.lambda);
 }
-/// A filter without such a form: its whole state, in which the constants are.
+/// Whether its form is all of F: not where F is around a filter and hands on that one's form.
+template <class F, class To>
+concept IsItsForm = requires(F& f, To& to) { pieces(f.form(), to); } && !requires { requires F::departs; };
+
+/// A filter that is not its form: its whole state, in which the constants are.
 template <class F, class To>
 void constants_of(F& f, To& to) {
-    if constexpr (requires { constants(f.form(), to); }) constants(f.form(), to);
+    if constexpr (IsItsForm<F, To>) constants(f.form(), to);
 }
 template <class F, class To>
 void pieces_of(F& f, To& to) {
-    if constexpr (requires { pieces(f.form(), to); }) pieces(f.form(), to);
+    if constexpr (IsItsForm<F, To>) pieces(f.form(), to);
     else walk(to, f);
 }
 
@@ -162,13 +166,13 @@ inline constexpr bool stores_a_square<F> = true;
 /// Groups of filters F in lockstep, without their gains and, where all have the same, without their constants: records,
 /// each read into an F for an update and written back. Where the size is not fixed and F stores a square, or its form
 /// is not known here, the record would be most of F, and copying it took longer than it saved (docs/speed.md): those
-/// are kept as they are.
+/// are kept as they are, and those that are guarded, of whose state a row reads and changes a part.
 template <class F>
 class FleetRecords {
     using P = typename F::scalar;
     using Mask = typename P::Mask;
     static constexpr bool in_place =
-        size_of<F> == Dynamic && (stores_a_square<F> || !requires(F f, RecordSize<P> to) { pieces(f.form(), to); });
+        IsGuarded<F> || (size_of<F> == Dynamic && (stores_a_square<F> || !IsItsForm<F, RecordSize<P>>));
     F pattern_;
     Index packs_ = 0, count_ = 0;   // of a record; records
     bool holds_constants_ = false;  // each record; else the pattern alone
@@ -199,7 +203,8 @@ public:
     }
     Index size() const { return numbers_.empty() && filters_.empty() ? 0 : count_; }  ///< 0 when it was moved from
     Workspace workspace() const { return {pattern_}; }
-    Index bytes() const { return packs_ * Index(sizeof(P)); }  ///< of a record
+    /// Of a record, or of what is kept as it is.
+    Index bytes() const { return in_place && size_of<F> != Dynamic ? Index(sizeof(F)) : packs_ * Index(sizeof(P)); }
 
     /// Group g: in the workspace, or where it is kept. What was changed is to be written.
     F& read(Index g, Workspace& workspace) {

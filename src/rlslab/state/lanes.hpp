@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/pack.hpp>
+#include <rlslab/state/bounded_count.hpp>
 #include <rlslab/state/state.hpp>
 
 #include <vector>
@@ -19,6 +20,10 @@ struct NumbersOfLanes : Silent {
     void number(P const& x) { numbers.push_back(x); }
     void number(typename P::Mask const& x) { truths.push_back(x); }
     void number(Count const& x) { counts.push_back(x); }
+    template <class N>
+    void number(BoundedCountOf<N> const& x) {
+        number(x.n);
+    }
     template <class X>
     void number(X const&) {}
     void clear() { numbers.clear(), truths.clear(), counts.clear(); }
@@ -35,9 +40,93 @@ struct LanesPutBack : Silent {
     void number(P& x) { x = select(mask, *number_at++, x); }
     void number(typename P::Mask& x) { x = (mask && *truth_at++) || (!mask && x); }
     void number(Lanes<Index, P::lanes>& x) { x = select(mask, *count_at++, x); }
+    template <class N>
+    void number(BoundedCountOf<N>& x) {
+        number(x.n);
+    }
     template <class X>
     void number(X const&) {}
 };
+/// Keeps f, and puts it back in the lanes of the mask when it ends. Its memory is the thread's own, and taken again.
+template <class P, class F>
+class LanesKept {
+    F& filter_;
+    typename P::Mask mask_;
+    NumbersOfLanes<P> before_;
+    static NumbersOfLanes<P>& spare() {
+        static thread_local NumbersOfLanes<P> numbers;
+        return numbers;
+    }
+
+public:
+    LanesKept(F& f, typename P::Mask const& lanes) : filter_(f), mask_(lanes), before_(std::move(spare())) {
+        before_.clear();
+        walk(before_, filter_);
+    }
+    LanesKept(LanesKept const&) = delete;
+    ~LanesKept() {
+        LanesPutBack<P> back(before_, mask_);
+        walk(back, filter_);
+        spare() = std::move(before_);
+    }
+};
+/// action(), which changes f, in these lanes, at least one: in the others f keeps what is in its state. Returns what
+/// the action does. Where not all lanes change, a thread allocates at its first such call.
+template <class T, class F, class Action>
+auto on_lanes(F& f, Truth<T> const& lanes, Action action) {
+    if constexpr (!std::same_as<Truth<T>, bool>)
+        if (!all(lanes)) {
+            LanesKept<T, F> const kept(f, !lanes);
+            return action();
+        }
+    return action();
+}
+/// work(lane) for each of these lanes: one where T is a number.
+template <class T, class Work>
+void each_lane(Truth<T> const& lanes, Work work) {
+    if constexpr (std::same_as<Truth<T>, bool>) {
+        if (lanes) work(0);
+    } else if (all(lanes)) {
+        for (int lane = 0; lane < T::lanes; ++lane) work(lane);
+    } else if (any(lanes)) {
+        for (int lane = 0; lane < T::lanes; ++lane)
+            if (lanes[lane]) work(lane);
+    }
+}
+/// What x is in a lane.
+template <class X>
+    requires(!requires(X& x) { x[0]; })
+X& of_lane(X& x, int) {
+    return x;
+}
+template <class X, int L>
+X& of_lane(Lanes<X, L>& x, int lane) {
+    return x.value[size_t(lane)];
+}
+template <class X, int L>
+X const& of_lane(Lanes<X, L> const& x, int lane) {
+    return x[lane];
+}
+template <class T, int L>
+T of_lane(Pack<T, L> const& x, int lane) {
+    return x[lane];
+}
+template <class T, int L>
+bool of_lane(PackMask<T, L> const& x, int lane) {
+    return x[lane];
+}
+/// Where a, one X for each of T's lanes, is b.
+template <class T, class A, class X>
+Truth<T> equal_to(A const& a, X const& b) {
+    if constexpr (std::same_as<Truth<T>, bool>) {
+        return a == b;
+    } else {
+        if (a.value == A(b).value) return true;
+        Lanes<bool, T::lanes> out;
+        for (size_t i = 0; i < a.value.size(); ++i) out.value[i] = a.value[i] == b;
+        return Truth<T>(out);
+    }
+}
 
 /// One lane of a filter over packs, or a filter of numbers, as the doubles that both have in their states: float's and
 /// counts up to 2^53 fit. A bound that a filter of floats keeps in double is rounded to the lane's float.
@@ -49,6 +138,10 @@ struct LaneRead : Silent {
     void number(X const& x) {
         if constexpr (requires { x[lane]; }) values.push_back(double(x[lane]));
         else values.push_back(double(x));
+    }
+    template <class N>
+    void number(BoundedCountOf<N> const& x) {
+        number(x.n);
     }
 };
 /// What is one for all lanes is compared, not written. keep: else all is only compared.
@@ -75,6 +168,10 @@ struct LaneWritten : Silent {
         if (keep) x.value[size_t(lane)] = X(*at);
         ++at;
     }
+    template <class N>
+    void number(BoundedCountOf<N>& x) {
+        number(x.n);
+    }
     template <class X>
     void number(X& x) {
         same = same && double(x) == *at;
@@ -82,6 +179,14 @@ struct LaneWritten : Silent {
         ++at;
     }
 };
+/// Tells what each row showed, and takes a row in some lanes.
+template <class F>
+concept IsGuarded =
+    requires(F& f, typename F::scalar x, Regressor<typename F::scalar> psi, Truth<typename F::scalar> m) {
+        f.signal();
+        f.update_lanes(m, psi, x);
+    };
+
 /// The filter of numbers whose bits one lane has: Ud<double, 4> of Ud<Pack<double, 8>, 4>.
 template <class F>
 struct OneLane {};
@@ -94,6 +199,7 @@ using OneLaneOf = typename OneLane<F>::type;
 template <class F>
 concept HasOneLane = requires { typename OneLaneOf<F>; };
 template <template <class> class Around, HasOneLane F>
+    requires(!IsGuarded<Around<F>>)  // which names it itself
 struct OneLane<Around<F>> {
     using type = Around<OneLaneOf<F>>;
 };
