@@ -151,18 +151,17 @@ public:
             }
         }
         if (policy.rebuilds() || any(restarts)) keep_regressor(psi, psi_);  // which may be the gain's own numbers
-        if (any(goes)) {
+        if (all(goes)) {                                                    // without a copy of the step
+            step = detail::commit(filter_, row, psi, y);
+        } else if (any(goes)) {
             Step<T> const taken =
                 detail::on_lanes<T>(filter_, goes, [&] { return detail::commit(filter_, row, psi, y); });
             step = select(goes, taken, step);
         }
-        if (any(restarts)) {
-            step = select(restarts, restarted_at(restarts, y), step);
-            step = watch(restarts || goes, step, y);
-            tell(restarts, GuardSignal::change);
-            return step;
-        }
-        return watch(goes, step, y);
+        if (any(restarts)) step = select(restarts, restarted_at(restarts, y), step);
+        step = watch(restarts || goes, step, y);
+        if (any(restarts)) tell(restarts, GuardSignal::change);
+        return step;
     }
     /// Time without a row: F's row with psi = 0. P_jj is looked at; nothing is tested, and nothing learnt of the noise.
     Step<T> pass_time() {
