@@ -1,4 +1,5 @@
 // Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
+// Longer than 400 lines with its docstrings; records and reports are files of their own.
 #pragma once
 
 #include <rlslab/adapt/guard_signal.hpp>
@@ -216,7 +217,7 @@ private:
     using PerFilter = std::vector<Lanes<X, lanes>>;
     /// Of a thread.
     struct Workspace {
-        typename detail::FleetRecords<F>::Workspace filter;
+        F filter;
         std::vector<pack> row;
         FleetCounts counts = {};
     };
@@ -374,15 +375,17 @@ private:
                 own.counts.taken += lanes;
             }
             packs_.prefetch_behind(g);
-            constexpr bool by_lanes = detail::IsGuarded<F>;  // leaves the others itself
-            F& filter = whole || by_lanes ? packs_.read(g, own.filter) : packs_.read_some(g, own.filter);
-            Step<pack> const step = [&] {
+            F& filter = packs_.read(g, own.filter);
+            auto const take = [&] {
                 if constexpr (weighs) return filter.update(row, output, weight);
-                else if constexpr (by_lanes) return filter.update_lanes(present, row, output);
+                else if constexpr (detail::IsGuarded<F>) return filter.update_lanes(present, row, output);
                 else return filter.update(row, output);
-            }();
-            if (whole || by_lanes) packs_.write(g, filter);
-            else packs_.write_some(g, own.filter, filter, present);
+            };
+            // A guarded filter leaves the other lanes itself; of a record they are not written.
+            constexpr bool puts_back = detail::FleetRecords<F>::in_place && !detail::IsGuarded<F>;
+            Step<pack> const step = puts_back ? detail::on_lanes<pack>(filter, present, take) : take();
+            if (whole) packs_.write(g, filter);
+            else packs_.write_some(g, filter, present);
             worsen(health_[size_t(g)], step.health, present, filter);
             if constexpr (reports) report(*steps, from, here, step, present);
         }

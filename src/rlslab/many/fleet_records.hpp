@@ -171,8 +171,12 @@ template <class F>
 class FleetRecords {
     using P = typename F::scalar;
     using Mask = typename P::Mask;
+
+public:
     static constexpr bool in_place =
         IsGuarded<F> || (size_of<F> == Dynamic && (stores_a_square<F> || !IsItsForm<F, RecordSize<P>>));
+
+private:
     F pattern_;
     Index packs_ = 0, count_ = 0;   // of a record; records
     bool holds_constants_ = false;  // each record; else the pattern alone
@@ -180,12 +184,6 @@ class FleetRecords {
     std::vector<F> filters_;
 
 public:
-    /// An F to read into, and what a change of some lanes has to put back.
-    struct Workspace {
-        F filter;
-        NumbersOfLanes<P> before = {};
-    };
-
     FleetRecords(F const& pattern, Index count) : pattern_(pattern) {
         packs_ = packs_of_a_record();
         if constexpr (in_place) filters_.reserve(size_t(count));
@@ -202,18 +200,18 @@ public:
         }
     }
     Index size() const { return numbers_.empty() && filters_.empty() ? 0 : count_; }  ///< 0 when it was moved from
-    Workspace workspace() const { return {pattern_}; }
+    F workspace() const { return pattern_; }                                          ///< to read into
     /// Of a record, or of what is kept as it is.
     Index bytes() const { return in_place && size_of<F> != Dynamic ? Index(sizeof(F)) : packs_ * Index(sizeof(P)); }
 
     /// Group g: in the workspace, or where it is kept. What was changed is to be written.
-    F& read(Index g, Workspace& workspace) {
+    F& read(Index g, F& workspace) {
         if constexpr (in_place) return filters_[size_t(g)];
-        return read_into(g, workspace.filter);
+        return read_into(g, workspace);
     }
-    F const& read(Index g, Workspace& workspace) const {
+    F const& read(Index g, F& workspace) const {
         if constexpr (in_place) return filters_[size_t(g)];
-        return read_into(g, workspace.filter);
+        return read_into(g, workspace);
     }
     void write(Index g, F& from) {
         if constexpr (in_place) return;
@@ -221,23 +219,11 @@ public:
         pieces_of(from, writing);
         if (holds_constants_) constants_of(from, writing);
     }
-    /// The same for a change of some lanes: the others keep what they had.
-    F& read_some(Index g, Workspace& workspace) {
-        F& filter = read(g, workspace);
-        if constexpr (in_place) {
-            workspace.before.clear();
-            walk(workspace.before, filter);
-        }
-        return filter;
-    }
-    void write_some(Index g, Workspace const& workspace, F& from, Mask const& lanes) {
-        if constexpr (in_place) {
-            LanesPutBack<P> back(workspace.before, !lanes);
-            walk(back, from);
-        } else {
-            RecordWriting<P, true> writing(numbers_.data() + g * packs_, lanes);
-            pieces_of(from, writing);
-        }
+    /// The same of some lanes; the other lanes of the record stay. Nothing, where filters are kept in place.
+    void write_some(Index g, F& from, Mask const& lanes) {
+        if constexpr (in_place) return;
+        RecordWriting<P, true> writing(numbers_.data() + g * packs_, lanes);
+        pieces_of(from, writing);
     }
     /// What may have other constants than the pattern. Then each record holds its own from now on.
     void write_with_constants(Index g, F& from) {
@@ -256,12 +242,12 @@ public:
     /// look(filter) for each, as its state shows it; where this is not const, look may change the filter.
     template <class Look>
     void each(Look look) const {
-        Workspace own = workspace();
+        F own = workspace();
         for (Index g = 0; g < size(); ++g) look(read(g, own));
     }
     template <class Look>
     void each(Look look) {
-        Workspace own = workspace();
+        F own = workspace();
         for (Index g = 0; g < size(); ++g) {
             F& filter = read(g, own);
             look(filter);
@@ -296,7 +282,7 @@ private:
         wider.holds_constants_ = true;
         wider.packs_ = wider.packs_of_a_record();
         wider.numbers_.reserve(size_t(wider.packs_ * count_));
-        Workspace own = workspace();
+        F own = workspace();
         for (Index g = 0; g < count_; ++g) wider.append(read(g, own));
         *this = std::move(wider);
     }
