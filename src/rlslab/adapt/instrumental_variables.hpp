@@ -12,16 +12,6 @@
 namespace rlslab {
 
 namespace detail {
-/// m copies of x, in place where m is fixed.
-template <int m, class X>
-auto copies_of(Index count, X const& x) {
-    if constexpr (m == Dynamic) return std::vector<X>(size_t(count), x);
-    else
-        return [&x]<size_t... j>(std::index_sequence<j...>) {
-            return std::array<X, size_t(m)>{((void)j, x)...};
-        }(std::make_index_sequence<size_t(m)>{});
-}
-
 /// Several outputs of one regressor through any variant: a filter each, where MultiOutput shares P.
 template <class F, int M>
 class FilterEach {

@@ -6,9 +6,22 @@
 #include <array>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace rlslab {
+
+namespace detail {
+/// m copies of x, in place where m is fixed.
+template <int m, class X>
+auto copies_of(Index count, X const& x) {
+    if constexpr (m == Dynamic) return std::vector<X>(size_t(count), x);
+    else
+        return [&x]<size_t... j>(std::index_sequence<j...>) {
+            return std::array<X, size_t(m)>{((void)j, x)...};
+        }(std::make_index_sequence<size_t(m)>{});
+}
+}  // namespace detail
 
 /// What a row is worth in which an output is missing: NaN, or infinite.
 ///   drops_the_row   for all outputs: time passes, P -> P / lambda, no theta changes. P is then right for every output
@@ -38,20 +51,12 @@ class MultiOutput : public detail::AroundFilter<F> {
     using detail::AroundFilter<F>::filter_;
     static constexpr int N = detail::size_of<F>;
     template <class X>
-    using Row = std::conditional_t<M == Dynamic, std::vector<X>, std::array<X, size_t(M == Dynamic ? 0 : M)>>;
+    using Row = decltype(detail::copies_of<M>(Index(1), std::declval<X const&>()));
     Row<StateVector<T, N>> theta_;  // the first one's place is workspace
     Row<Step<T>> steps_;
     StateVector<T, N> psi_;
     MissingOutput missing_;
 
-    template <class X>
-    static Row<X> row_of(Index outputs, X const& x) {
-        if constexpr (M == Dynamic) return Row<X>(size_t(outputs), x);
-        else
-            return [&x]<size_t... j>(std::index_sequence<j...>) {
-                return Row<X>{((void)j, x)...};
-            }(std::make_index_sequence<size_t(M)>{});
-    }
     static Index checked(Index outputs) {
         expects(outputs >= 1 && (M == Dynamic || outputs == M), "as many outputs as the type has, at least one");
         return outputs;
@@ -62,8 +67,9 @@ public:
     explicit MultiOutput(Problem<T> const& problem, Index outputs = M == Dynamic ? 1 : M,
                          MissingOutput missing = MissingOutput::drops_the_row)
         : detail::AroundFilter<F>(F(problem)),
-          theta_(row_of(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
-          steps_(row_of(outputs, Step<T>{T(0), T(0), T(1)})), psi_(filter_.theta().size()), missing_(missing) {
+          theta_(detail::copies_of<M>(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
+          steps_(detail::copies_of<M>(outputs, Step<T>{T(0), T(0), T(1)})), psi_(filter_.theta().size()),
+          missing_(missing) {
         for (auto& theta : theta_)
             for (Index i = 0; i < psi_.size(); ++i) theta[i] = filter_.theta()[i];
     }
