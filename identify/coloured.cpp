@@ -28,6 +28,11 @@ std::vector<Term> with_further_lags(std::vector<Term> terms, size_t inputs, int 
     return terms;
 }
 
+/// Further lags of each input, so that they are as many as the past outputs.
+Index least_further_lags(std::vector<Term> const& terms, Index inputs) {
+    return (past_outputs(terms) + inputs - 1) / inputs;
+}
+
 Rows fitted_rows(std::vector<Term> const& terms, Record const& record) {
     return rows_of(terms, record.inputs, record.y).before(record.fitted);
 }
@@ -53,7 +58,7 @@ std::string obstacle_of_instruments(IdentifyOptions const& o, std::vector<Term> 
                                     int n) {
     if (o.inputs.empty()) return "expected an input (--input), too: its further past lags are the instruments";
     if (std::string const any = obstacle_of_any(o, terms, n); !any.empty()) return any;
-    Index const q = past_outputs(terms), inputs = Index(o.inputs.size()), least = (q + inputs - 1) / inputs;
+    Index const q = past_outputs(terms), least = least_further_lags(terms, Index(o.inputs.size()));
     if (n < least)
         return fmt::format(
             "expected {} or more: the further lags of the inputs are to be as many as the {} past outputs", least, q);
@@ -236,7 +241,7 @@ std::string cure_for(Identified const& m, Record const& record) {
     Index const inputs = Index(o.inputs.size());
     std::string out;
     if (obstacle_of_noise_model(o, m.terms, record, 2).empty()) out = "--noise-model 2";
-    int const least = inputs > 0 ? int((past_outputs(m.terms) + inputs - 1) / inputs) : 0;
+    int const least = inputs > 0 ? int(least_further_lags(m.terms, inputs)) : 0;
     if (obstacle_of_instruments(o, m.terms, record, least).empty())
         out += fmt::format("{}--instruments {}", out.empty() ? "" : " ", least);
     return out;

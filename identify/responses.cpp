@@ -7,12 +7,14 @@
 #include <rlslab/model/response.hpp>
 
 #include <algorithm>
+#include <numbers>
 
 namespace rlslab::identify {
 namespace {
 
 using Point = std::complex<double>;
-constexpr double pi = 3.141592653589793, degrees = 180 / pi, decibels = 8.685889638065037;  // 20 / ln 10
+using std::numbers::pi;
+constexpr double degrees = 180 / pi, decibels = 8.685889638065037;  // 20 / ln 10
 
 double in_db(double magnitude) { return magnitude > 0 ? 20 * correctly::log10(magnitude) : -INFINITY; }
 

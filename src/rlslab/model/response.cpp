@@ -4,12 +4,13 @@
 #include <rlslab/arithmetic/elementary.hpp>
 
 #include <algorithm>
+#include <numbers>
 
 namespace rlslab {
 namespace {
 
 using Point = std::complex<double>;
-constexpr double pi = 3.141592653589793;
+using std::numbers::pi;
 
 void check(std::span<EquationTerm const> terms, Vector<double> const& theta, int input) {
     expects(Index(terms.size()) == theta.size() && input >= 0, "a parameter for each term, and an input");
