@@ -48,10 +48,10 @@ struct MakesFilters {
 /// add() gives its number away again. Each filter may have a problem of its own, of the same size.
 ///
 /// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
-/// triangle (all of F where it is guarded, or is not fixed in size and stores a square), with lambda only once lambdas
-/// differ; 21 bytes of health and counts; an F for each thread. A row moves that of all through the processor once. An
-/// update allocates only when it first meets that many threads; of guarded filters also as Guarded says. Source: layout
-/// as in arrays of structures of arrays; folklore.
+/// triangle (all of F where something is around the variant, or it is not fixed in size and stores a square), with
+/// lambda only once lambdas differ; 21 bytes of health and counts; an F for each thread. A row moves that of all through
+/// the processor once. An update allocates only when it first meets that many threads; of filters with a guard or a rule
+/// also as Guarded and Forgetting say. Source: layout as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
