@@ -119,6 +119,10 @@ TEST_F(Program, RefusesPartsOfTwoSweepsInOneFolder) {
     refused("merge shared --out merged", "expected studies, budget and seed as rlslab study --part writes them");
     ASSERT_EQ(shell("rlslab " + sweep).code, 0);
     EXPECT_EQ(shell("rlslab " + sweep + "--vary prior=1,2 --part 1/2").code, 0);  // the other is finished
+    refused("study gain_identities --out shared",
+            "--out shared: holds what rlslab sweep made (sweep.csv); expected an");
+    ASSERT_EQ(shell("rlslab study gain_identities --out studies --quiet").code, 0);
+    refused("sweep ok.csv --input u --output y --out studies", "--out studies: holds what rlslab study made");
 }
 TEST_F(Program, WarnsInASweepOfAColumnThatCounts) {
     write("counts.csv", "u,y\n" + rows(40, [](int k) { return std::to_string(k); }));
