@@ -94,7 +94,8 @@ public:
     void add(Errors const& e) { theta_ += e.theta * e.theta, covariance_ += e.covariance * e.covariance, ++steps_; }
     void report(TrialOutput& out, std::string const& form, Regime const& regime) const {
         double const P = std::sqrt(covariance_ / steps_);
-        out({form, P, std::sqrt(theta_ / steps_), P / law(form, regime), P / regime.u() * (1 - regime.lambda)});
+        double const memory = regime.lambda < 1 ? 1 / (1 - regime.lambda) : double(longest);
+        out({form, memory, P, std::sqrt(theta_ / steps_), P / law(form, regime), P / regime.u() * (1 - regime.lambda)});
     }
 };
 
@@ -212,14 +213,14 @@ S_{ij} \leftarrow S_{ij} - \bigl(S_{ij}(1 - k_j) + v_i m_j\bigr), \qquad
                                        {"rows", names(kinds, full ? std::size(kinds) : 2)},
                                        {"replicate", counted(full ? 20 : 11)}};
         },
-    .measures = {"form", "covariance", "theta", "over_law", "per_row"},
+    .measures = {"form", "memory", "covariance", "theta", "over_law", "per_row"},
     .measure = measure,
     .plots = {{.title = "Error of P over the law of a rounding a row",
-               .x = "regime",
+               .x = "memory",
                .y = "over_law",
                .series = "form",
                .panel = "rows",
-               .x_label = "word and lambda",
+               .x_label = "memory 1 / (1 - lambda), or rows",
                .y_label = "relative error of P / law"}},
     .claims =
         {
