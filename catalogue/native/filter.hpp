@@ -102,7 +102,7 @@ public:
 /// cannot carry, with its reason.
 std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmetic, Options const& options);
 
-/// The names that `make` takes, in the order of the library's lists: 15 variants, "float" and "double", the policies of
+/// The names that `make` takes, in the order of the library's lists: 18 variants, "float" and "double", the policies of
 /// guards, the rules of forgetting.
 std::span<std::string_view const> variants();
 std::span<std::string_view const> arithmetics();

@@ -41,9 +41,9 @@ TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
     auto const rows = cells_of(read(folder / "sweep/sweep.csv"));
     std::map<std::string, int> count;
     for (auto const& row : rows) ++count[row.at("arithmetic") + ' ' + row.at("forgetting")];
-    // Fifteen dense variants; three orders of rows where forgetting = 1.
+    // Eighteen dense variants; three orders of rows where forgetting = 1.
     EXPECT_EQ(count,
-              (std::map<std::string, int>{{"float 0.96875", 15}, {"float 1", 45}, {"p11 0.96875", 15}, {"p11 1", 45}}));
+              (std::map<std::string, int>{{"float 0.96875", 18}, {"float 1", 54}, {"p11 0.96875", 18}, {"p11 1", 54}}));
     json const compared = json::parse(
         shell("rlslab compare " + record + "--forgetting 0.96875 --arithmetic float,p11 --json --no-timings").out);
     int checked = 0;
@@ -55,7 +55,7 @@ TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
                 EXPECT_EQ(std::stod(row.at("P")), result.at("spread").at("covariance").at("median").get<double>());
                 ++checked;
             }
-    EXPECT_EQ(checked, 30);
+    EXPECT_EQ(checked, 36);
     EXPECT_THAT(read(folder / "sweep/sweep.csv"), HasSubstr("# command: rlslab sweep ok.csv --input u"));
     EXPECT_THAT(read(folder / "sweep/report.html"), HasSubstr("sha256"));
     EXPECT_FALSE(fs::is_empty(folder / "sweep/figures"));
