@@ -4,9 +4,7 @@
 // A function returns RLSLAB_OK or the error's code. After an error the filter is as it was, and rlslab_message() says
 // why in one line. No function throws, exits, aborts or writes to a stream. A null pointer is an error (RLSLAB_NULL)
 // except where "or null" stands. One thread at a time may use a filter; several filters need no lock. A breakdown is a
-// result, not an error: see rlslab_step.health.
-//
-// d is the number of parameters. Matrices are d x d, by columns.
+// result, not an error: see rlslab_step.health. d is the number of parameters; matrices are d x d, by columns.
 #ifndef RLSLAB_H
 #define RLSLAB_H
 #include <stddef.h>
@@ -118,11 +116,13 @@ typedef struct rlslab_counts {
 } rlslab_counts;
 rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, size_t bytes);
 
-// The state is of the same bytes from every language. It is loaded into a filter of the same variant, arithmetic, size
-// and composition. Errors: ROOM, STATE.
+// The state is of the same bytes from every language. load: into a filter of the same variant, arithmetic, size and
+// composition. from_state: a new filter, which goes on from the state; its reset has the default forgetting and prior.
+// Errors: ROOM, STATE.
 size_t rlslab_state_size(rlslab_filter const* filter);  // bytes, 0 of null
 rlslab_status rlslab_save(rlslab_filter const* filter, void* to, size_t room);
 rlslab_status rlslab_load(rlslab_filter* filter, void const* from, size_t bytes);
+rlslab_status rlslab_from_state(void const* from, size_t bytes, rlslab_filter** out);
 
 // M filters of one variant and one problem, which take a row each at a time. Not of qr_block, not composed.
 typedef struct rlslab_fleet rlslab_fleet;

@@ -128,6 +128,7 @@ std::string_view name_of_signal(std::int32_t signal) {
 }
 
 std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
+    if (fault == StateFault::no_state) return "the bytes are not a state";
     std::string text = "the state is " + std::string(name_of(fault));
     StateHeader found;
     if (StateHeader::read(from, found) == StateFault::none)
