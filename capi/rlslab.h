@@ -1,5 +1,5 @@
 // Recursive least squares from C: every dense variant in float and double, alone, guarded, windowed or with a rule of
-// forgetting, and fleets. C99; also valid C++.
+// forgetting, and fleets. C99; also valid C++. Link with `pkg-config --libs rlslab-c`. docs/c.md has a first program.
 //
 // A function returns RLSLAB_OK or the error's code. After an error the filter is as it was, and rlslab_message() says
 // why in one line. No function throws, exits, aborts or writes to a stream. A null pointer is an error (RLSLAB_NULL)
@@ -61,9 +61,9 @@ typedef struct rlslab_options {
     double const* prior_theta;       // d numbers, or null: 0
     double const* prior_covariance;  // P0, d x d, symmetric, or null: c^2 I
     size_t window;                   // rows; 0: none
-    char const* guard;               // a name of RLSLAB_GUARDS, or null: none
+    char const* guard;               // "reset" skips bad rows and mends P; a name of RLSLAB_GUARDS, or null: none
     char const* control;             // a name of RLSLAB_CONTROLS (a rule of forgetting), or null: constant
-    double const* control_numbers;   // the rule's, in its order; NaN: the rule's default; or null: all of them
+    double const* control_numbers;   // the rule's, in the order of docs/c.md; NaN: its default; or null: all of them
     size_t control_count;            // how many are there
     double largest_variance;         // this and the next three are the guard's; NaN: its default
     double innovation;

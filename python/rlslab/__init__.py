@@ -4,7 +4,15 @@
     f = rlslab.Ud(4, forgetting=0.99)             # or rlslab.filter("ud", 4, forgetting=0.99)
     step = f.update([1.0, 2.0, 0.5, 3.0], 0.7)    # Step(innovation, residual, gamma, health, signal)
     steps = f.update_many(Psi, y, steps=True)     # Psi (n, d); an array of steps
-    f.theta, f.gain, f.covariance
+    f.theta, f.gain, f.covariance                 # psi @ f.theta predicts y
+
+From a file to a filter that skips bad rows and mends its P:
+
+    data = np.genfromtxt("data.csv", delimiter=",", names=True)
+    Psi, y = np.column_stack([data["a"], data["b"]]), data["out"]
+    f = rlslab.compare(Psi, y, forgetting=0.99, digits=3).filter(guard="reset")
+    f.update_many(Psi, y)
+    f.save("out.state")                           # later: f = rlslab.load("out.state")
 
 `help(rlslab.Filter)` has the options, `help(rlslab.Ud)` the formulas of a variant. `variants()`, `arithmetics()`,
 `guards()` and `controls()` list the names. `rlslab.sklearn` has an estimator for scikit-learn.
