@@ -169,6 +169,7 @@ std::vector<Folder> const house{
     {"tests/adapt", {"tests/common", "tests/long_run"}},
     {"tests/many", {"tests/common"}},
     {"tests/fast", {"tests/common", "fast"}},
+    {"tests/fast/peer", {"tests/fast", "bench"}},
     {"tests/variants", {"tests/common", "compare", "studies/engine"}},
     {"tests/catalogue", {"tests/common"}},
     {"tests/report", {"tests/common", "report"}},
