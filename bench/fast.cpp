@@ -1,5 +1,5 @@
-// fast/NAME/ARITHMETIC/SIZE: one sample in, the prediction error out, by the fast forms, by variants behind a delay line,
-// and by SLICOT's FD01AD. Digits are those of the prediction error in the first row after the scored ones.
+// fast/NAME/ARITHMETIC/SIZE: one sample in, the prediction error out, by the fast forms, by variants behind a delay
+// line, and by SLICOT's FD01AD. Digits are those of the prediction error in the first row after the scored ones.
 #include "bench/rows.hpp"
 
 #include <rlslab/adapt/delay_line.hpp>

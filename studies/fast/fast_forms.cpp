@@ -239,7 +239,14 @@ Study const fast_forms{
         "unstable, one with 8d stable",
     .formula = R"tex(N \approx \frac{p\ln 2 - \ln(B_\infty/\delta) + c}{-\ln\lambda}, \qquad
                      \frac1{B_k} = \frac{\lambda^{-1}}{B_{k-1}} - \gamma'\nu^2)tex",
-    .interpretation = "",
+    .interpretation =
+        "A bit of word length is worth ln 2 / -ln lambda rows of the transversal filter's life, because an error of "
+        "1/B grows by 1/lambda in each; with B's growth from delta to its steady state the row itself is known to "
+        "about 3 / -ln lambda. In 4 of 10 runs it does not explode: gamma goes to 0 and theta is no longer corrected, "
+        "while each step is sound, so that where the parameters stand still nothing is seen. With feedback it lives "
+        "where d (1 - lambda) is at most 1/4 and ends at 1/2, and has the digits of ud, which was not expected. The "
+        "lattices keep their digits over a million rows; error feedback loses at most 0.4 of them on ud, the QR "
+        "lattice up to one.",
     .data =
         "a delay line of 8 taps of white input and of an input with the pole 0.9, variance 1; random theta; noise of "
         "0.1; a row has diverged where the prediction error differs from that of ud in double by the noise's deviation",
@@ -290,7 +297,7 @@ Study const fast_forms{
                                {"pole", "lambda", "bits"}, cost_of_a_small_start("diverged"), 0.6, 1.1);
              },
              own_result("docs/theory.md 101; set before the run")},
-            {"every transversal filter with lambda below 1 diverges",
+            {"most transversal filters with lambda below 1 diverge",
              [](Table const& t) {
                  return within(exploding(t, 1, 16), {"pole", "lambda", "bits"}, greatest("diverged").as(Estimate::most),
                                0, 1e9);

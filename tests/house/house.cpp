@@ -126,7 +126,7 @@ std::vector<Folder> const house{
     {"catalogue", {"catalogue/native", "src/rlslab/model"}},
     {"python", {"catalogue/native", "src/rlslab/reference"}},
     {"report", {"src/rlslab/core"}},
-    {"compare", {"catalogue", "report"}},
+    {"compare", {"catalogue", "report", "fast"}},
     {"identify", {"catalogue", "report", "src/rlslab/input/formats"}},
     {"studies/engine", {"catalogue", "report"}},
     {"studies/gain", {"studies/engine"}},
