@@ -153,6 +153,7 @@ std::string table(Rows const& rows, std::string const& base) {
 std::string title_of(std::string const& group, std::string const& arithmetic) {
     if (group == "update") return fmt::format("One filter, one row at a time, {}", arithmetic);
     if (group == "fixed") return fmt::format("The same with the size known to the compiler, {}", arithmetic);
+    if (group == "fast") return fmt::format("One sample in, the prediction error out, {}", arithmetic);
     if (group == "block") return fmt::format("One filter, rows known in advance, {}", arithmetic);
     if (group == "large")
         return fmt::format("One filter of many parameters, {}; digits against a solution in 257 bits", arithmetic);

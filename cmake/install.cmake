@@ -17,11 +17,12 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# In the tree rlslab/variants, rlslab/catalogue and rlslab/studies are links: they are installed from where they are.
+# In the tree rlslab/variants, rlslab/fast, rlslab/catalogue and rlslab/studies are links: they are installed from where
+# they are.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
-  FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN catalogue EXCLUDE
-  PATTERN studies EXCLUDE)
-foreach(room variants catalogue)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN fast EXCLUDE
+  PATTERN catalogue EXCLUDE PATTERN studies EXCLUDE)
+foreach(room variants fast catalogue)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/${room} COMPONENT
       headers
     FILES_MATCHING PATTERN "*.hpp")

@@ -4,6 +4,7 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include "compare/composed_score.hpp"
+#include "compare/fast_score.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
 
@@ -302,6 +303,16 @@ std::vector<Recommendation> recommend_all(std::vector<Arithmetic const*> const& 
     return out;
 }
 
+/// With the variance that the prior gives the newest sample.
+std::vector<FastResult> fast_forms(std::vector<Arithmetic const*> const& used, Records const& records,
+                                   Solved const& given, std::vector<Index> const& checkpoints) {
+    std::vector<std::string_view> names;
+    for (Arithmetic const* const a : used) names.push_back(a->name);
+    Prior<double> const& prior = *given.problem.prior;
+    return score_fast_forms(records, given.problem.forgetting,
+                            prior.covariance ? (*prior.covariance)(0, 0) : prior.variance, names, checkpoints);
+}
+
 }  // namespace
 
 Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
@@ -322,6 +333,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     out.results = score_all(entries, prepared, options, progress);
     time_all(out.results, prepared, records, options);
     out.recommendations = recommend_all(used, out);
+    if (options.composition.empty()) out.fast = fast_forms(used, records, given, out.checkpoints);
     return out;
 }
 

@@ -82,6 +82,14 @@ struct Result {
         0;  ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
 };
 
+/// A fast form on a record whose regressors are a delay line (fast_score.hpp).
+struct FastResult {
+    std::string_view form, arithmetic;
+    std::optional<double> digits = {};        ///< of the prediction errors; absent where one is not finite
+    std::optional<Breakdown> breakdown = {};  ///< the first step that was not sound
+    long operations = 0;                      ///< a row
+};
+
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
 struct RoundingEffect {
     std::string_view arithmetic;
@@ -141,6 +149,7 @@ struct Comparison {
     std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
+    std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
     std::shared_ptr<struct DigitsAnswer const> digits =
         {};  ///< with options.digits: what keeps them; it then is the answer that is shown
     std::optional<report::Provenance> run = {};  ///< with it JSON, CSV and page say which run they are from

@@ -118,6 +118,28 @@ struct Paint {
     }
 };
 
+/// The regressors are a delay line: the fast forms, apart.
+std::string fast_text(Comparison const& c, Paint const& paint) {
+    std::string out;
+    std::string_view arithmetic;
+    for (FastResult const& r : c.fast) {
+        if (r.arithmetic != arithmetic) {
+            arithmetic = r.arithmetic;
+            out += '\n' + paint("1", fmt::format("fast forms in {}", arithmetic)) +
+                   paint("2", fmt::format("{:>{}}  {:<19}{:>6}", "prediction error", 47 - 14 - arithmetic.size(),
+                                          "breakdown", "ops")) +
+                   '\n';
+        }
+        std::string const broke =
+            r.breakdown ? fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step) : "none";
+        out += paint(r.breakdown ? "31" : "0",
+                     fmt::format("  {:<28}{:>17}  {:<19}{:>6}", r.form,
+                                 r.digits ? fmt::format("{:.1f}", *r.digits) : "-", broke, r.operations)) +
+               '\n';
+    }
+    return out;
+}
+
 }  // namespace
 
 std::string as_table(Comparison const& c, bool colour, size_t columns) {
@@ -177,6 +199,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
         out += paint(best ? "32" : r.broken ? "31" : "0", line + what) + '\n';
     }
     auto const note = [&](std::string const& text) { out += wrapped(text, 0, 0, width) + '\n'; };
+    out += fast_text(c, paint);
     out += '\n';
     if (!whole)
         note(
@@ -194,6 +217,10 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     note(
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "
         "not recommended.");
+    if (!c.fast.empty())
+        note(
+            "Fast forms (docs/fast.md) are no variants: they take a sample and hold neither P nor R. Digits of the "
+            "prediction error against the certified theta of the rows before it; their line starts with zeros.");
     if (c.digits)
         note(
             "The table is for the prior in the head and the columns as they are. The answer (*) has a prior and a "
@@ -320,6 +347,14 @@ std::string as_json(Comparison const& c) {
                                          {"why", r.why},
                                          {"too_short", r.too_short},
                                          {"losses", losses_json(r)}});
+    for (FastResult const& r : c.fast)
+        out["fast_forms"].push_back(
+            {{"form", r.form},
+             {"arithmetic", r.arithmetic},
+             {"prediction_digits", digits_json(r.digits)},
+             {"breakdown",
+              r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
+             {"operations", r.operations}});
     if (c.digits) out["digits"] = Json::parse(answer_json(*c.digits));
     if (c.run) out["run"] = Json::parse(as_json(*c.run));
     return out.dump(2) + '\n';

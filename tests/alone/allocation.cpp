@@ -12,6 +12,7 @@
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/catalogue/native/filter.hpp>
 #include <rlslab/core/random.hpp>
+#include <rlslab/fast/fast.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
@@ -69,6 +70,25 @@ TEST(Allocation, NoneForFixedSizesAndNoneInUpdates) {
     });
 }
 
+/// Heap allocations of making a fast form and of fifty updates.
+template <class F>
+std::pair<long, long> allocations_of_a_fast_form() {
+    Seed seed{1};
+    long const before = allocations;
+    F form({.size = 4, .forgetting = 0.96875});
+    long const made = allocations;
+    for (int k = 0; k < 50; ++k) form.update(seed.bell(), 1);
+    return {made - before, allocations - made};
+}
+TEST(Allocation, NoneInFastForms) {
+    std::pair<long, long> const none{0, 0};
+    EXPECT_EQ((allocations_of_a_fast_form<Transversal<double, 4>>()), none);
+    EXPECT_EQ((allocations_of_a_fast_form<StabilisedTransversal<double, 4>>()), none);
+    EXPECT_EQ((allocations_of_a_fast_form<Lattice<double, 4>>()), none);
+    EXPECT_EQ((allocations_of_a_fast_form<ErrorFeedbackLattice<double, 4>>()), none);
+    EXPECT_EQ((allocations_of_a_fast_form<QrLattice<double, 4>>()), none);
+    for_each(FastForms<double>{}, []<class F>() { EXPECT_EQ(allocations_of_a_fast_form<F>().second, 0) << F::name; });
+}
 TEST(Allocation, NoneInRowsThatAreKnownInAdvance) {
     for_each(Variants<double>{}, []<class F>() {
         if constexpr (TakesRowsAtOnce<F>) {

@@ -81,6 +81,22 @@ TEST(House, AVariantIsAPageAndEndsWithItsClaim) {
         EXPECT_NE(code.find("Source"), std::string::npos) << file << ": no source";
     }
 }
+TEST(House, EveryFastFormIsAPageOfTheList) {
+    std::string const list = text(root / "fast/fast.hpp");
+    int pages = 0;
+    for (auto const& file : fs::directory_iterator(root / "fast")) {
+        std::string const name = file.path().stem(), code = text(file.path());
+        if (file.path().extension() != ".hpp" || name == "fast" || name == "fast_form") continue;
+        ++pages;
+        EXPECT_NE(list.find("<rlslab/fast/" + name + ".hpp>"), list.npos) << name;
+        EXPECT_NE(code.find("name = \"" + name + "\""), code.npos) << name;
+        EXPECT_GT(code.rfind("static_assert("), code.rfind("};\n")) << name << ": no claim";
+        EXPECT_NE(code.find("(1)"), code.npos) << name << ": no formula block";
+        EXPECT_NE(code.find("Source"), code.npos) << name << ": no source";
+        EXPECT_LE(lines(file.path()), 100) << name;
+    }
+    EXPECT_EQ(pages, 5);
+}
 TEST(House, NoFileIsLongerThanFourHundredAndFiftyLines) {
     for (auto const& [path, code] : project()) EXPECT_LE(std::ranges::count(code, '\n'), 450) << path;
 }
@@ -104,12 +120,13 @@ std::vector<Folder> const house{
     {"src/rlslab/adapt", {"src/rlslab/state"}},
     {"src/rlslab/many", {"src/rlslab/adapt"}},
     {"variants", {"src/rlslab/linalg"}},
+    {"fast", {"src/rlslab/adapt"}},
     {"src/rlslab", {"src/rlslab/many", "variants"}},
     {"catalogue/native", {"src/rlslab/many", "variants"}},
     {"catalogue", {"catalogue/native", "src/rlslab/model"}},
     {"python", {"catalogue/native", "src/rlslab/reference"}},
     {"report", {"src/rlslab/core"}},
-    {"compare", {"catalogue", "report"}},
+    {"compare", {"catalogue", "report", "fast"}},
     {"identify", {"catalogue", "report", "src/rlslab/input/formats"}},
     {"studies/engine", {"catalogue", "report"}},
     {"studies/gain", {"studies/engine"}},
@@ -117,10 +134,11 @@ std::vector<Folder> const house{
     {"studies/accuracy", {"studies/engine"}},
     {"studies/forgetting", {"studies/engine"}},
     {"studies/adapt", {"studies/engine"}},
+    {"studies/fast", {"studies/engine", "fast"}},
     {"studies/published", {"studies/engine"}},
     {"studies/theory", {"studies/engine"}},
     {"capi", {"catalogue/native"}},
-    {"bench", {"catalogue", "report", "capi"}},
+    {"bench", {"catalogue", "report", "capi", "fast"}},
     {"program", {"compare", "identify", "studies/engine"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"catalogue"}},
@@ -150,6 +168,8 @@ std::vector<Folder> const house{
     {"tests/state", {"tests/common"}},
     {"tests/adapt", {"tests/common", "tests/long_run"}},
     {"tests/many", {"tests/common"}},
+    {"tests/fast", {"tests/common", "fast"}},
+    {"tests/fast/peer", {"tests/fast", "bench"}},
     {"tests/variants", {"tests/common", "compare", "studies/engine"}},
     {"tests/catalogue", {"tests/common"}},
     {"tests/report", {"tests/common", "report"}},
@@ -161,7 +181,7 @@ std::vector<Folder> const house{
     {"tests/capi", {"tests/common", "capi"}},
     {"tests/doors", {"src/rlslab/state", "variants"}},
     {"tests/house", {"tests/common"}},
-    {"tests/alone", {"tests/common", "capi"}},
+    {"tests/alone", {"tests/common", "capi", "fast"}},
 };
 
 /// What each folder stands on, itself included.
@@ -177,8 +197,8 @@ std::map<std::string, std::set<std::string>> foundations() {
 
 std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
 
-/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants, rlslab/catalogue and
-/// rlslab/studies are links; what is in quotes starts at the project's folder.
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants, rlslab/fast,
+/// rlslab/catalogue and rlslab/studies are links; what is in quotes starts at the project's folder.
 std::vector<std::string> included(std::string const& code) {
     std::vector<std::string> out;
     std::istringstream lines(code);
@@ -191,7 +211,8 @@ std::vector<std::string> included(std::string const& code) {
         bool const quoted = name.front() == '"';
         name = name.substr(1, name.find_first_of("\">", 1) - 1);
         if (quoted) out.push_back(name);
-        else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/catalogue/"))
+        else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/fast/") ||
+                 name.starts_with("rlslab/catalogue/"))
             out.push_back(name.substr(7));
         else if (name.starts_with("rlslab/studies/")) out.push_back("studies/engine/" + name.substr(15));
         else if (name.starts_with("rlslab/")) out.push_back("src/" + name);
