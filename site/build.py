@@ -124,6 +124,8 @@ def main(source, out):
     if run.returncode:
         sys.exit("site: Sphinx has something to say of the pages above")
     mend_theme(out / "_static")
+    for page in out.rglob("*.html"):
+        write(page, page.read_text().replace(' role="heading"', ' role="heading" aria-level="2"'))
     for name in sorted(site.files):
         to = out / "files" / name
         if (root / name).is_dir():

@@ -21,10 +21,10 @@ html_math_renderer = "pandoc"
 html_theme = "furo"
 html_title = f"rlslab {version}"
 html_static_path = [str(here / "static")]
-html_css_files, html_js_files = ["site.css"], ["which.js"]
+html_css_files, html_js_files = ["site.css"], ["site.js"]
 html_show_search_summary = False    # which would read pages by requests; from a folder there are none
 html_copy_source = html_show_sphinx = html_show_copyright = False
 html_use_index = False
-pygments_style, pygments_dark_style = "friendly", "github-dark"
+pygments_style, pygments_dark_style = "xcode", "github-dark"
 fonts = "system-ui,-apple-system,'Segoe UI',Helvetica,Arial,sans-serif"
 html_theme_options = {"light_css_variables": {"font-stack": fonts}, "top_of_page_button": None}

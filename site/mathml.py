@@ -42,8 +42,7 @@ def convert(app, env):
 
 def write(translator, node):
     block, text = key(node)
-    # tabindex: what scrolls can be scrolled by keys
-    translator.body.append(f'<div class="math" tabindex="0">{made[block, text]}</div>' if block else made[block, text])
+    translator.body.append(f'<div class="math">{made[block, text]}</div>' if block else made[block, text])
     raise nodes.SkipNode
 
 

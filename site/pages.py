@@ -236,7 +236,7 @@ def variant_index(of):
     rows = []
     for h in of.headers:
         row = of.readme.get(h.name, ["–"] * 7)
-        rows.append([f"[`{h.name}`]({h.name}.md)", h.title.split(". ")[0].rstrip("."), row[0], row[1], row[2], row[4],
+        rows.append([f"[`{h.name}`]({h.name}.md)", re.split(r": |\. ", h.title)[0].rstrip("."), row[0], row[1], row[2], row[4],
                      row[-1]])
     return "# The variants\n\nEach is one page in `variants/`: its formula, then the code in the same letters. What " \
         "the columns mean: [README](../README.md#the-variants-and-their-speed).\n\n" + \
@@ -275,7 +275,7 @@ def study_index(of):
             "[the record](verdicts-full.json).\n"]
     for subject, found in subjects.items():
         page += [f"## {subject.capitalize()}\n", table(["study", "question", "holds", "fails", "undecided"], [
-            [f"[`{s['name']}`]({s['name']}.md)", s["question"],
+            [f"[`{s['name']}`]({s['name']}.md)", s["question"].replace("|", "\\|"),
              *(sum(v == w for _, v, _ in s["verdicts"]) for w in ("holds", "fails", "undecided"))] for s in found])]
     return "\n".join(page)
 

@@ -1,3 +1,10 @@
+// What is wider than the page can be scrolled by keys.
+function reach() {
+  for (const wide of document.querySelectorAll("pre, .math, .table-wrapper, .answer, p:has(> img)"))
+    if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
+}
+for (const event of ["DOMContentLoaded", "load", "resize", "click", "toggle"]) window.addEventListener(event, reach, true);
+
 // The form of "Which variant?": what it knows is the recorded data in the page.
 document.addEventListener("DOMContentLoaded", () => {
   const place = document.getElementById("picker"), data = document.getElementById("picker-data");
