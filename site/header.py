@@ -201,8 +201,16 @@ class Header:
         self.title = " ".join(line[3:] for line in re.match(r"(?:// .*\n)+", page)[0].splitlines())
         above = re.search(r"((?:^///.*\n)+)(?:template.*\n)?class", page, re.M)[1]
         self.blocks = [b.split("\n") for b in re.split(r"\n\s*\n", "\n".join(ln[4:] for ln in above.splitlines()))]
-        self.prose = " ".join(ln for b in self.blocks if not b[0].startswith("  ") for ln in b)
+        self.prose = "\n".join(" ".join(b) for b in self.blocks if not b[0].startswith("  "))
         self.sparse = "GPL" in page.split("\n")[0] + self.title
+        self.free, self.may_be_indefinite = "starts_without_prior = true" in page, "Health::indefinite" in page
+        self.called = f"`{self.name}`"    # in prose: also inverse QR, UD, Joseph's form
+        if "_" in self.name:
+            self.called += rf"|(?i:\b{self.name.replace('_', ' ')}\b)"
+        elif len(self.name) == 2:
+            self.called += rf"|(?<!nverse )(?<!xtended )\b{self.name.upper()}\b"
+        if (person := re.match(r"(\w+)'s ", self.title)) and person[1].lower() in self.name:
+            self.called += rf"|\b{person[1]}\b"
         self.quantity, self.form = re.findall(r"(?:Quantity|Form)::(\w+)", page)[:2]    # of what it stores
 
     def text(self, link=lambda code: code):

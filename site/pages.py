@@ -82,11 +82,12 @@ def studies():
     sources = {p: p.read_text() for p in sorted((root / "studies").glob("*/*.cpp"))}
     string = re.compile(r'\s*(?:R"tex\((.*?)\)tex"|"((?:[^"\\]|\\.)*)")', re.S)
     out = []
-    for name, verdicts in full.items():
+    written = re.findall(r"^Study const (\w+)\{", "\n".join(sources.values()), re.M)
+    for name, verdicts in (full | {n: {} for n in written if n not in full}).items():
         path, code = next((p, t[m.start():]) for p, t in sources.items()
                           if (m := re.search(rf"^Study const {name}\{{", t, re.M)))
         study = {"name": name, "folder": path.parent.name, "path": path.relative_to(root),
-                 "verdicts": [(c, v, second[name].get(c, "")) for c, v in verdicts.items()]}
+                 "verdicts": [(c, v, second.get(name, {}).get(c, "")) for c, v in verdicts.items()]}
         for field in ("question", "source", "formula", "interpretation", "data"):
             study[field], at = "", code.find(f".{field} =") + len(f".{field} =")
             while at > len(field) + 2 and (m := string.match(code, at)):
@@ -144,27 +145,34 @@ def code_of(header):
 
 
 dies = {
-    ("covariance", "plain"): "$P$ itself is stored, and rounding can make it indefinite. `health` is `indefinite` from "
-    "the first row on whose $\\gamma$ leaves $(0, 1]$; a row meets $P$ along its $\\psi$ only, so that $P$ may have "
-    "been indefinite for a while. A [guard](../docs/library.md#around-a-filter) resets it or hands over.",
+    ("covariance", "plain"): "$P$ itself is stored, and rounding can make it indefinite. `health` is `indefinite` at "
+    "each row whose $\\gamma$ lies outside $(0, 1]$. A row meets $P$ along its $\\psi$ only, so that $P$ may have been "
+    "indefinite for a while. A [guard](../docs/library.md#around-a-filter) around it resets $P$, or hands over.",
     ("covariance", "factor"): "A factor of $P$ is stored: $P$ stays positive definite while nothing overflows or "
-    "underflows (docs/theory.md 34). `health` becomes `nonfinite` by an overflow, or by a row that is "
-    "not finite.",
-    ("information", "factor"): "A factor of $P^{-1}$ is stored, which cannot lose its sign. `health` is `nonfinite` "
-    "after an overflow or a row that is not finite; without a prior it is `undetermined` until enough rows have come.",
-    ("information", "plain"): "The normal equations are stored. `health` is `indefinite` where they no longer factor, "
-    "`nonfinite` after an overflow or a row that is not finite; without a prior it is `undetermined` until enough rows "
-    "have come.",
+    "underflows (docs/theory.md 34).",
+    ("information", "factor"): "A factor of $P^{-1}$ is stored, and a row only adds to $P^{-1}$.",
+    ("information", "plain"): "$P^{-1}$ itself is stored and factored for the report.",
 }
+
+
+def death(h):
+    """How a filter ends: by what it stores, and by what its page says of health."""
+    out = [places(dies[h.quantity, h.form])]
+    if h.may_be_indefinite and h.quantity == "information":
+        out.append("`health` is `indefinite` where a pivot is not positive.")
+    if h.free:
+        out.append("Without a prior it is `undetermined` until enough rows have come.")
+    return " ".join([*out, "After an overflow, or a row that is not finite, it is `nonfinite`.\n"])
 
 
 def said(header, of):
     """What questions.md says of a variant, and the claims that name it: those on its end apart."""
-    name = header.name
     answers = [(t, a, hits) for t, a, text in of.questions
-               if (hits := [s for s in split_sentences(text) if re.search(rf"`{name}`", s)])]
+               if (hits := [text] if re.search(header.called, t) else
+                   [s for s in split_sentences(text) if re.search(header.called, s)])]
     found = [f"- **{t}** {of.links.page(' … '.join(hits))} [→](../docs/questions.md#{a})" for t, a, hits in answers]
-    claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"] if re.search(rf"\b{name}\b(?!')", c)]
+    claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"] 
+              if re.search(rf"\b{header.name}\b(?!')|{header.called}", c)]
     ends = [c for c in claims if re.search(r"definite|overflow|break|surviv|ends|freez|lose", c[1])]
     return found, [c for c in claims if c not in ends], ends
 
@@ -179,8 +187,9 @@ def claim_table(claims, links):
 def cost(header, of, storage):
     operations = of.readme.get(header.name, ["", "–"])[1]
     page = [storage + ".\n"] if storage else []
-    page.append("Time and memory follow the fill.\n" if operations == "–" else
-                f"One update at 10 parameters, theta included: {operations} operations, counted by running the code.\n")
+    if operations != "–":
+        page.append(f"One update at 10 parameters, theta included: {operations} operations, counted by running the "
+                    "code.\n")
     timed = [[a, *(f"{of.times[header.name, a, d]:.0f}" for d in sizes)] for a in ("float", "double")
              if all((header.name, a, d) in of.times for d in sizes)]
     if timed:
@@ -201,13 +210,13 @@ def variant_page(h, of):
     blocks = [re.sub(r" ?Sources?: .*?(\. (?=Nothing)|$)", "", b.replace(storage + "." if storage else "\0", ""))
               for b in h.text(links.name)]
     found, claims, ends = said(h, of)
-    dying = [s for s in re.split(r"(?<=\.) ", h.prose) if re.search(
+    dying = [s for s in re.split(r"(?<=\.) |\n", h.prose) if re.search(
         r"NaN|breakdown|indefinite|warning|drift|grows? as|Squares|definite exactly|walk replaces", s)]
     page = [f"# {title} (`{h.name}`)\n", sentences(f"{lead[0].upper()}{lead[1:]}.\n") if lead else "", table(["", ""], [
         ["class", f"`rlslab::{h.type}{'' if h.sparse else '<T, N>'}`"],
         ["header", f"[`<rlslab/variants/{h.name}.hpp>`]({h.name}.hpp)"],
         ["propagates", {"plain": "the ", "factor": "a factor of the "}[h.form] + h.quantity],
-        ["starts without a prior", row[2]],
+        ["starts without a prior", "yes" if h.free else "no"],
         ["needs", "SPQR or CHOLMOD (GPL-2+), binary64" if h.sparse else "Eigen; any arithmetic"]]),
         f"{{{{live {h.name}}}}}\n", "## What it computes\n", *(b.strip() + "\n" for b in blocks), "## What it costs\n",
         *cost(h, of, storage), "## Good at, bad at\n"]
@@ -215,7 +224,7 @@ def variant_page(h, of):
         page.append(f"Bits that its word needs more when the condition number of the rows doubles: **{row[-1]}** "
                     "([how that was found](../README.md#the-variants-and-their-speed)).\n")
     page += found + ["", claim_table(claims, links) or "" if found or claims else "No study asks about it yet.\n",
-                     "## How it dies\n", places(dies[h.quantity, h.form]) + "\n"]
+                     "## How it dies\n", death(h)]
     page += [f"- {sentences(s, links.name)}" for s in dying]
     page += ["", claim_table(ends, links), "## In a program\n", tabs(code_of(h)),
              f"## Source\n\n{source}. `rlslab cite {h.name}` prints BibTeX; all works: "
@@ -236,8 +245,8 @@ def variant_index(of):
     rows = []
     for h in of.headers:
         row = of.readme.get(h.name, ["–"] * 7)
-        rows.append([f"[`{h.name}`]({h.name}.md)", re.split(r": |\. ", h.title)[0].rstrip("."), row[0], row[1], row[2], row[4],
-                     row[-1]])
+        rows.append([f"[`{h.name}`]({h.name}.md)", re.split(r": |\. ", h.title)[0].rstrip("."), row[0], row[1],
+                     row[2], row[4], row[-1]])
     return "# The variants\n\nEach is one page in `variants/`: its formula, then the code in the same letters. What " \
         "the columns mean: [README](../README.md#the-variants-and-their-speed).\n\n" + \
         table(["variant", "", "propagates", "operations at 10", "no prior", "ns at 16", "bits"], rows)
@@ -317,7 +326,7 @@ def choice(of):
         row = of.readme.get(h.name, ["", "", "no", ""])
         slope = int(row[-1][0]) if row[-1][:1].isdigit() else 0
         rows.append({
-            "name": h.name, "sparse": h.sparse, "free": row[2] == "yes", "slope": slope,
+            "name": h.name, "sparse": h.sparse, "free": h.free, "slope": slope,
             "constant": next((c for s, who, c in laws if s == slope and (h.name in re.split(r", ?", who) or
                                                                         who == "factor forms")), None),
             "asymmetric": "Antisymmetric" in h.prose or "antisymmetric part of a rounding error grows" in h.prose,

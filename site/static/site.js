@@ -3,7 +3,8 @@ function reach() {
   for (const wide of document.querySelectorAll("pre, .math, .table-wrapper, .answer, p:has(> img)"))
     if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
 }
-for (const event of ["DOMContentLoaded", "load", "resize", "click", "toggle"]) window.addEventListener(event, reach, true);
+for (const event of ["DOMContentLoaded", "load", "resize", "click", "toggle"])
+  window.addEventListener(event, reach, true);
 
 // The form of "Which variant?": what it knows is the recorded data in the page.
 document.addEventListener("DOMContentLoaded", () => {
