@@ -15,7 +15,8 @@ import pages
 from header import root
 
 here = pathlib.Path(__file__).resolve().parent
-live = root / "build/live/index.html"
+live = root / "build/live/index.html"    # ./lab live
+shows = root / "site/live/page.cpp"      # its list of variants
 ours = [p for kind in ("*.md", "docs/*.md", "docs/decisions/*.md", "examples/**/*.md", "data/*.md")
         for p in sorted(root.glob(kind))]
 
@@ -72,10 +73,12 @@ class Site:
         """A page's text as Sphinx reads it."""
         text = re.sub(r"^(#+ )(<a id=\"[^\"]*\"></a>)", r"\2\n\n\1", self.texts[name], flags=re.M)
         up = os.path.relpath("live/index.html", os.path.dirname(name) or ".")
-        text = re.sub(r"\{\{live(?: (\w+))?\}\}", lambda m: (
-            f"[Move its word length, the data and lambda in the live page]({up}#variant={m[1]})" if m[1] else
-            f"[The live page]({up}): the library itself in your browser. Take bits away, and watch which variant "
-            "breaks first.") if live.exists() else "", text)
+        shown = re.search(r"using Shown = TypeList<(.*?)>;", shows.read_text() if shows.exists() else "", re.S)
+        text = re.sub(r"\{\{live (\w+) (\w+)\}\}", lambda m: (
+            f"[Take bits away from it, and change its data, in the live page]({up}#variant={m[1]})"
+            if live.exists() and (not shown or f"{m[2]}<" in shown[1]) else ""), text)
+        text = text.replace("{{live}}", f"[The live page]({up}): the library itself in your browser. Take bits away, "
+                            "and watch which variant breaks first." if live.exists() else "")
         if name.endswith(".rst"):
             return text
         apart = (r"(^(`{3,})(?!\{|`).*?^\2$|(?<!`)`[^`\n]+`(?!`)|"     # blocks and names of code
@@ -115,17 +118,19 @@ def main(source, out):
     for old in [*source.rglob("*.md"), *source.rglob("*.rst")]:
         if str(old.relative_to(source)) not in texts:
             old.unlink()
-    for picture in (*root.glob("docs/*.svg"), here / "terminal.svg"):
-        folder = source / ("docs" if picture.parent != here else "")
-        shutil.copy(picture, folder)
+    for picture in (*root.glob("docs/*.svg"), here / "terminal.svg", *root.glob("out/figures/*.svg")):
+        to = source / {"docs": "docs", "figures": "studies/figures"}.get(picture.parent.name, "")
+        to.mkdir(exist_ok=True)
+        shutil.copy(picture, to)
     shutil.rmtree(out, ignore_errors=True)
     run = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", "-c", here, "-d",
                           source.parent / "doctrees", source, out], env=os.environ | {"RLSLAB_SITE": str(here)})
     if run.returncode:
         sys.exit("site: Sphinx has something to say of the pages above")
     mend_theme(out / "_static")
-    for page in out.rglob("*.html"):
-        write(page, page.read_text().replace(' role="heading"', ' role="heading" aria-level="2"'))
+    for page in out.rglob("*.html"):    # a level for readers of screens; no icon, so that none is asked for
+        text = page.read_text().replace(' role="heading"', ' role="heading" aria-level="2"')
+        write(page, text.replace("</title>\n", '</title>\n<link rel="icon" href="data:,">\n', 1))
     for name in sorted(site.files):
         to = out / "files" / name
         if (root / name).is_dir():

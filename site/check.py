@@ -29,6 +29,7 @@ class Page(HTMLParser):
 
 def site(folder):
     """(faults, links within the site, pages)."""
+    folder = folder.resolve()
     pages = {p: Page(p.read_text()) for p in sorted(folder.rglob("*.html"))}
     faults, links = [], 0
     for path, page in pages.items():
@@ -39,22 +40,15 @@ def site(folder):
                 continue
             links += 1
             to, part = urllib.parse.urldefrag(link)
-            target = (path.parent / urllib.parse.unquote(to.split("?")[0])).resolve() if to else path.resolve()
-            if not target.is_file() or folder.resolve() not in target.parents:
+            target = (path.parent / urllib.parse.unquote(to.split("?")[0])).resolve() if to else path
+            if not target.is_file() or folder not in target.parents:
                 faults.append(f"{where}: {link}: no such file")
-            elif part and "live" not in target.parts and target in by_name(pages) and \
-                    urllib.parse.unquote(part) not in by_name(pages)[target].names:
+            elif part and target.parent.name != "live" and target in pages and \
+                    urllib.parse.unquote(part) not in pages[target].names:
                 faults.append(f"{where}: {link}: no such name there")
     for path in folder.rglob("*.css"):
         faults += [f"{path.relative_to(folder)}: asks {r}" for r in asked.findall(path.read_text())]
     return faults, links, len(pages)
-
-
-def by_name(pages, made={}):
-    if len(made) != len(pages):
-        made.clear()
-        made.update({p.resolve(): page for p, page in pages.items()})
-    return made
 
 
 if __name__ == "__main__":

@@ -102,8 +102,8 @@ def studies():
 class Links:
     """Names that have a page become links to it: `ud`, study gain_error, docs/theory.md 16."""
 
-    def __init__(self, names, questions_of):
-        self.variants, self.studies = set(names), set(questions_of)
+    def __init__(self, variants, studies):
+        self.variants, self.studies = set(variants), set(studies)
 
     def name(self, code):
         bare = code.strip("`")
@@ -212,13 +212,15 @@ def variant_page(h, of):
     found, claims, ends = said(h, of)
     dying = [s for s in re.split(r"(?<=\.) |\n", h.prose) if re.search(
         r"NaN|breakdown|indefinite|warning|drift|grows? as|Squares|definite exactly|walk replaces", s)]
-    page = [f"# {title} (`{h.name}`)\n", sentences(f"{lead[0].upper()}{lead[1:]}.\n") if lead else "", table(["", ""], [
+    page = [f"# {title} (`{h.name}`)\n", sentences(f"{lead[0].upper()}{lead[1:]}.\n") if lead else ""]
+    page += [table(["", ""], [
         ["class", f"`rlslab::{h.type}{'' if h.sparse else '<T, N>'}`"],
         ["header", f"[`<rlslab/variants/{h.name}.hpp>`]({h.name}.hpp)"],
         ["propagates", {"plain": "the ", "factor": "a factor of the "}[h.form] + h.quantity],
         ["starts without a prior", "yes" if h.free else "no"],
         ["needs", "SPQR or CHOLMOD (GPL-2+), binary64" if h.sparse else "Eigen; any arithmetic"]]),
-        f"{{{{live {h.name}}}}}\n", "## What it computes\n", *(b.strip() + "\n" for b in blocks), "## What it costs\n",
+        f"{{{{live {h.name} {h.type}}}}}\n", "## What it computes\n", *(b.strip() + "\n" for b in blocks),
+        "## What it costs\n",
         *cost(h, of, storage), "## Good at, bad at\n"]
     if row[-1] != "–":
         page.append(f"Bits that its word needs more when the condition number of the rows doubles: **{row[-1]}** "
@@ -238,7 +240,7 @@ class Shared:
         self.headers = variants()
         self.readme, self.questions, self.studies = readme_rows(), list(questions()), studies()
         self.machine, self.times = times()
-        self.links = Links([h.name for h in self.headers], {s["name"]: s["question"] for s in self.studies})
+        self.links = Links([h.name for h in self.headers], [s["name"] for s in self.studies])
 
 
 def variant_index(of):
@@ -262,6 +264,8 @@ def study_page(s, links):
     page = [f"# {s['question']}\n",
             f"Study `{s['name']}` ([its source](../{s['path']}); all of them: [studies](index.md)).\n"]
     page += ["$$\n" + " ".join(s["formula"].split()) + "\n$$\n"] if s["formula"] else []
+    drawn = sorted((root / "out/figures").glob(f"{s['name']}-*.svg"))    # where ./lab report has run
+    page += [f"![A figure of the study, as the last report here drew it](figures/{p.name})\n" for p in drawn]
     page += [links.prose(s["interpretation"]) + "\n", f"*Data:* {links.prose(s['data'])}.\n" if s["data"] else "",
              f"*Source of the law:* {links.prose(s['source'])}.\n" if s["source"] else "", "## Verdicts\n",
              "At the full budget, by the record in `studies/`; what a verdict is: "
