@@ -315,6 +315,7 @@ def behind(path, title, links):
     """The numbers behind an answer, folded: that paragraph, with its place."""
     text = links.page(re.sub(r"\]\((\w+\.md)", r"](../docs/\1", paragraph(path, title)))
     text = text.replace("](../", "](")    # the first pages are above
+    title = re.sub(r"\$(\w)_?(\w?)\$", r"\1\2", title)    # a summary has no formulas
     return folded(f"The numbers behind it: {title}", f"{text} [→]({path})")
 
 
