@@ -147,8 +147,9 @@ inline std::array<double, most_parameters> eigenvalues(Square A, int d) {
         for (int p = 0; p < d; ++p)
             for (int q = p + 1; q < d; ++q) {
                 double const apq = double(A[p][q]);
-                if (std::abs(apq) <= 0x1p-100 * std::sqrt(std::abs(double(A[p][p]))) *
-                                         std::sqrt(std::abs(double(A[q][q]))) || apq == 0)
+                if (std::abs(apq) <=
+                        0x1p-100 * std::sqrt(std::abs(double(A[p][p]))) * std::sqrt(std::abs(double(A[q][q]))) ||
+                    apq == 0)
                     continue;
                 rotated = true;
                 DoubleDouble const ratio = (A[q][q] - A[p][p]) / (DoubleDouble(2) * A[p][q]),

@@ -74,8 +74,9 @@ struct Page {
         }
         RunTimeFormat const format = format_of(now);
         if (!format.valid())
-            return refuse("expected double's exponents and rounding to nearest for more than 25 bits, and a range of "
-                          "exponents for other roundings");
+            return refuse(
+                "expected double's exponents and rounding to nearest for more than 25 bits, and a range of "
+                "exponents for other roundings");
         if (now.table != 0 && rows.rows() == 0) return refuse("expected a table");
         source.emplace(now, rows);
         PrecisionScope const scope(format);
@@ -142,10 +143,18 @@ struct Page {
         summary[0] = double(taken);
         if (v < 0 || v >= variants || !running[size_t(v)]) return summary;
         Running const& r = *running[size_t(v)];
-        double const all[] = {double(r.rows), r.digits, r.covariance_digits, double(r.first_indefinite),
-                              double(r.first_unsound), double(r.counts.unusable), double(r.counts.outliers),
-                              double(r.counts.changes), double(r.counts.windups), double(r.counts.breakdowns),
-                              double(r.hash & 0xffffffff), double(r.hash >> 32)};
+        double const all[] = {double(r.rows),
+                              r.digits,
+                              r.covariance_digits,
+                              double(r.first_indefinite),
+                              double(r.first_unsound),
+                              double(r.counts.unusable),
+                              double(r.counts.outliers),
+                              double(r.counts.changes),
+                              double(r.counts.windups),
+                              double(r.counts.breakdowns),
+                              double(r.hash & 0xffffffff),
+                              double(r.hash >> 32)};
         std::copy(std::begin(all), std::end(all), summary);
         return summary;
     }
@@ -183,7 +192,10 @@ int live_read_table(int n) {
     page().rows = {};
     page().source.reset();
     page().table = rlslab::live::read_table(std::string_view(page().text).substr(0, size_t(n)));
-    if (!page().table.error.empty()) return page().refuse(page().table.error);
+    if (std::string const error = page().table.error; !error.empty()) {
+        page().table = {};
+        return page().refuse(error);
+    }
     return int(page().table.columns.size());
 }
 int live_table_rows() { return int(page().table.rows()); }

@@ -23,9 +23,9 @@ public:
     double digits = 0;             ///< of theta after the last row, as digits_of
     double covariance_digits = 0;  ///< of P at the last measured row
     std::array<double, most_parameters> spectrum{}, theta{};
-    std::uint64_t hash = 0xcbf29ce484222325;                     ///< FNV-1a of theta after every row
-    Index rows = 0, first_indefinite = 0, first_unsound = 0;     ///< row numbers from 1; 0: none yet
-    GuardCounts counts;                                          ///< zeros without a guard
+    std::uint64_t hash = 0xcbf29ce484222325;                  ///< FNV-1a of theta after every row
+    Index rows = 0, first_indefinite = 0, first_unsound = 0;  ///< row numbers from 1; 0: none yet
+    GuardCounts counts;                                       ///< zeros without a guard
 
     virtual ~Running() = default;
     /// psi and y have the format's bits.

@@ -6,15 +6,15 @@
 namespace rlslab::live {
 
 struct Settings {
-    double bits, exponents, rounding;      ///< exponents: bits of the exponent, or doubles_exponents for double's
-    double parameters, rows, condition;    ///< condition: its log10
-    double units, forgetting, prior;       ///< units: the condition comes from units; prior: log2 of P0's variance
-    double noise, gain_error, seed;        ///< gain_error: its log2; least: none
+    double bits, exponents, rounding;    ///< exponents: bits of the exponent, or doubles_exponents for double's
+    double parameters, rows, condition;  ///< condition: its log10
+    double units, forgetting, prior;     ///< units: the condition comes from units; prior: log2 of P0's variance
+    double noise, gain_error, seed;      ///< gain_error: its log2; least: none
     double outlier, silent, change, guard, table;  ///< switches; table: rows of the table, not made ones
 };
 struct Setting {
     char const* name;
-    double Settings::* number;
+    double Settings::*number;
     double least, most, step, start;
 };
 inline constexpr double doubles_exponents = 10, no_gain_error = -41;

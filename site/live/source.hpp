@@ -12,7 +12,7 @@ namespace rlslab::live {
 inline double power_of_two(double x) {
     double const whole = std::floor(x);
     double out = std::ldexp(1.0, int(whole)), root = std::sqrt(2.0), rest = x - whole;
-    for (int i = 0; i < 30; ++i, root = std::sqrt(root)) {
+    for (int i = 0; i < 53; ++i, root = std::sqrt(root)) {
         rest *= 2;
         if (rest >= 1) out *= root, rest -= 1;
     }

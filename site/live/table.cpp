@@ -66,9 +66,7 @@ bool number(std::string cell, char separator, double& x) {
     x = std::strtod(cell.c_str(), &end);
     return end == cell.c_str() + cell.size() && std::abs(x) <= 0x1p500;
 }
-std::string in_words(long n, char const* what) {
-    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
-}
+std::string in_words(long n, char const* what) { return std::to_string(n) + " " + what + (n == 1 ? "" : "s"); }
 
 /// The power of two next to the root mean square; 1 for zeros.
 double scale_of(double squares, long rows) {
@@ -101,8 +99,8 @@ Table read_table(std::string_view text) {
             if (header) continue;
         }
         if (cells.size() != table.columns.size()) {
-            table.error = "line " + std::to_string(at) + ": expected " +
-                          in_words(long(table.columns.size()), "cell") + ", found " + std::to_string(cells.size());
+            table.error = "line " + std::to_string(at) + ": expected " + in_words(long(table.columns.size()), "cell") +
+                          ", found " + std::to_string(cells.size());
             return table;
         }
         for (size_t j = 0; j < cells.size(); ++j) {
@@ -128,9 +126,7 @@ Rows rows_of(Table const& table, Model const& model) {
     auto const add = [&](size_t column, int lag, bool lagged) {
         terms.push_back({column, lag});
         std::string const& name = table.columns[column].name;
-        out.names.push_back(!lagged    ? name
-                            : lag == 0 ? name + "[k]"
-                                       : name + "[k-" + std::to_string(lag) + "]");
+        out.names.push_back(!lagged ? name : lag == 0 ? name + "[k]" : name + "[k-" + std::to_string(lag) + "]");
     };
     auto const usable = [&](size_t column) {
         if (column >= table.columns.size()) out.error = "expected a column of the table";
@@ -166,8 +162,8 @@ Rows rows_of(Table const& table, Model const& model) {
         out.y.push_back(y);
     }
     if (out.rows() < d) {
-        out.error = "expected at least " + in_words(d, "row") + " without a missing value, found " +
-                    std::to_string(out.rows());
+        out.error =
+            "expected at least " + in_words(d, "row") + " without a missing value, found " + std::to_string(out.rows());
         return out;
     }
     auto const scaled = [&](double* first, long stride) {

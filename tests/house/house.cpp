@@ -122,6 +122,7 @@ std::vector<Folder> const house{
     {"capi", {"catalogue/native"}},
     {"bench", {"catalogue", "report", "capi"}},
     {"program", {"compare", "identify", "studies/engine"}},
+    {"site/live", {"catalogue"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"catalogue"}},
     {"tests/consumer", {"catalogue"}},
@@ -161,6 +162,7 @@ std::vector<Folder> const house{
     {"tests/capi", {"tests/common", "capi"}},
     {"tests/doors", {"src/rlslab/state", "variants"}},
     {"tests/house", {"tests/common"}},
+    {"tests/live", {"tests/common", "site/live"}},
     {"tests/alone", {"tests/common", "capi"}},
 };
 
