@@ -62,7 +62,7 @@ function plot(g, W, H, spec, look) {
     g.stroke();
     g.fillText((spec.label || String)(t), left - 5, Y(t) + 4);
   }
-  for (const t of ticks(x0, x1, W > 500 ? 8 : 4)) {
+  for (const t of ticks(x0, x1, W > 500 ? 8 : 4).filter(Number.isInteger)) {
     g.textAlign = X(t) > W - 35 ? "right" : "center";
     g.fillText(t, X(t) > W - 35 ? W - right : X(t), H - 14);
   }
@@ -105,7 +105,8 @@ function plot(g, W, H, spec, look) {
 
 /** On a canvas of the page, at the screen's own resolution. */
 function draw(canvas, spec, look) {
-  const ratio = window.devicePixelRatio || 1, W = canvas.clientWidth, H = canvas.clientHeight, g = canvas.getContext("2d");
+  const ratio = window.devicePixelRatio || 1, W = canvas.clientWidth, H = canvas.clientHeight;
+  const g = canvas.getContext("2d");
   if (canvas.width !== Math.round(W * ratio) || canvas.height !== Math.round(H * ratio)) {
     canvas.width = Math.round(W * ratio);
     canvas.height = Math.round(H * ratio);

@@ -1,6 +1,6 @@
 // Drives the live page in Chromium with the network off, and compares its bits with the native program's.
 // usage: node drive.mjs FOLDER [--pictures]    FOLDER: where build.py left index.html and facts.json
-import { spawn } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
@@ -146,11 +146,18 @@ async function files() {
   }
   check((await drop("y\n" + "1\n2\n4\n3\n".repeat(9))).startsWith("36 rows of 1 parameter"), "a file of one column");
   await drop("u,y\n" + Array.from({ length: 50 }, (_, k) => `${k % 7},${k % 5}`).join("\n"));
-  for (const [bits, guard] of [[24, 0], [53, 1], [11, 0]]) {
-    await evaluate(`page.values.bits = ${bits}; page.values.guard = ${guard}; showCode()`);
-    for (const language of ["cpp", "python"])
-      fs.writeFileSync(path.join(folder, `code_${bits}.${language === "cpp" ? "cpp" : "py"}`),
-        await evaluate(`program("${language}")`));
+  // What is to be pasted: C++ that compiles, Python that parses.
+  for (const [bits, guard, rounding] of [[24, 0, 0], [53, 1, 0], [11, 1, 2]]) {
+    await evaluate(`Object.assign(page.values, { bits: ${bits}, guard: ${guard}, rounding: ${rounding} })`);
+    const cpp = path.join(folder, `code_${bits}.cpp`), python = path.join(folder, `code_${bits}.py`);
+    fs.writeFileSync(cpp, await evaluate(`program("cpp")`));
+    fs.writeFileSync(python, await evaluate(`program("python")`));
+    for (const words of [["g++", "-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-fsyntax-only", "-isystem",
+                          "/usr/include/eigen3", "-I", "src", cpp],
+                         ["python3", "-c", "import ast, sys; ast.parse(open(sys.argv[1]).read())", python]]) {
+      const { status, stderr } = spawnSync(words[0], words.slice(1), { encoding: "utf8" });
+      check(status === 0 && !stderr, `${words[0]}: ${stderr}`);
+    }
   }
 }
 async function frames() {

@@ -1,4 +1,4 @@
-// What the page is told when it is built, as JSON: operations a row, records with their certified answers, and hashes
+// What the page has in it from its build, as JSON: operations a row, records with their certified answers, and hashes
 // that the page must reproduce. Usage: live_facts DATA_FOLDER
 #include "site/live/measures.hpp"
 #include "site/live/page.hpp"

@@ -54,7 +54,7 @@ function keys() {
       `stroke="${now.colour(name)}" stroke-width="3" stroke-dasharray="${now.dash(name).join(" ")}"/></svg>`;
 }
 
-// --- links ---------------------------------------------------------------------------------------------------------------
+// --- links ----------------------------------------------------------------------------------------------------------
 
 function link() {
   const out = new URLSearchParams();
@@ -83,7 +83,7 @@ async function follow(hash) {
   await choose(record, given);
 }
 
-// --- records and files -------------------------------------------------------------------------------------------------
+// --- records and files ----------------------------------------------------------------------------------------------
 
 /** Made rows (""), or a record of the page; its own settings where `given` has no others. */
 async function choose(name, given) {
@@ -162,7 +162,7 @@ async function fromControls() {
   changed();
 }
 
-// --- saving ------------------------------------------------------------------------------------------------------------
+// --- saving ---------------------------------------------------------------------------------------------------------
 
 function save(name, type, content) {
   const a = document.createElement("a");
@@ -232,7 +232,7 @@ function showCode() {
   byId("code").textContent = program(byId("language").value);
 }
 
-// --- begin -------------------------------------------------------------------------------------------------------------
+// --- begin ----------------------------------------------------------------------------------------------------------
 
 async function begin(ready) {
   ({ settings, variants, parametersMost } = ready);

@@ -28,7 +28,7 @@ constexpr int variants = 9, most_at_once = 128, in_measure = 1 + (variants + 1) 
 
 struct Entry {
     char const* name;
-    bool takes_gain_error;
+    bool gain_error_applies;
     std::unique_ptr<Running> (*run)(Problem<T> const&, double gain_error, bool guarded, Seed);
 };
 Entry const* entries() {
@@ -182,7 +182,7 @@ char const* live_setting_name(int i) { return rlslab::live::settings[i].name; }
 double const* live_setting_range(int i) { return &rlslab::live::settings[i].least; }
 int live_variants() { return rlslab::live::variants; }
 char const* live_variant_name(int v) { return rlslab::live::entries()[v].name; }
-int live_takes_gain_error(int v) { return rlslab::live::entries()[v].takes_gain_error; }
+int live_gain_error_applies(int v) { return rlslab::live::entries()[v].gain_error_applies; }
 
 char* live_text(int n) {
     page().text.resize(size_t(n));

@@ -17,7 +17,7 @@ RLSLAB_LIVE(setting_name) char const* live_setting_name(int i);
 RLSLAB_LIVE(setting_range) double const* live_setting_range(int i);
 RLSLAB_LIVE(variants) int live_variants();
 RLSLAB_LIVE(variant_name) char const* live_variant_name(int v);
-RLSLAB_LIVE(takes_gain_error) int live_takes_gain_error(int v);
+RLSLAB_LIVE(gain_error_applies) int live_gain_error_applies(int v);
 
 /// Memory for n bytes of text, which read_table reads.
 RLSLAB_LIVE(text) char* live_text(int n);

@@ -57,7 +57,7 @@ worker.onmessage = ({ data }) => {
 };
 worker.onerror = e => { byId("status").textContent = `The page cannot run here: ${e.message}`; };
 
-// --- what runs ---------------------------------------------------------------------------------------------------------
+// --- what runs ------------------------------------------------------------------------------------------------------
 
 /** What is sent: formats that the library has. `notes` say what is not as it was set. */
 function effective() {
@@ -191,7 +191,7 @@ function eachFrame() {
   }
 }
 
-// --- what is seen ------------------------------------------------------------------------------------------------------
+// --- what is seen ---------------------------------------------------------------------------------------------------
 
 const look = () => {
   const css = getComputedStyle(document.documentElement), get = name => css.getPropertyValue("--" + name).trim();
@@ -289,7 +289,7 @@ function describe() {
   const stored = run.stored, notes = [...run.sent.notes];
   if (stored.forgetting !== run.sent.values.lambda && Math.abs(stored.forgetting - run.sent.values.lambda) > 5e-4)
     notes.push(`λ is stored as ${Number(stored.forgetting.toPrecision(6))}`);
-  if (run.sent.values.gain_error > -41 && variants.some(v => page.chosen.has(v.name) && !v.takesGainError))
+  if (run.sent.values.gain_error > -41 && variants.some(v => page.chosen.has(v.name) && !v.gainErrorApplies))
     notes.push("information and qr use no gain to update: no error there");
   const broken = variants.filter((v, i) => page.chosen.has(v.name) && s[i][3] > 0).map(v =>
     `${v.name} from row ${s[variants.indexOf(v)][3]}`);

@@ -22,7 +22,7 @@ async function begin(packed) {
       const [least, most, step, start] = doubles(x.setting_range(i), 4);
       return { name: text(x.setting_name(i)), least, most, step, start };
     }),
-    variants: list(x.variants(), v => ({ name: text(x.variant_name(v)), takesGainError: x.takes_gain_error(v) != 0 })),
+    variants: list(x.variants(), v => ({ name: text(x.variant_name(v)), gainErrorApplies: x.gain_error_applies(v) != 0 })),
     parametersMost: x.parameters_most(),
   });
 }

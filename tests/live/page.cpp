@@ -126,7 +126,7 @@ TEST(LivePage, AnErrorInTheGainReachesWhatTakesIt) {
     start({{"bits", 53}, {"gain_error", -20}});
     rows(300);
     for (int v = 0; v < live_variants(); ++v)
-        EXPECT_EQ(hash(v) != without[v], live_takes_gain_error(v) != 0) << live_variant_name(v);
+        EXPECT_EQ(hash(v) != without[v], live_gain_error_applies(v) != 0) << live_variant_name(v);
 }
 TEST(LivePage, TheGuardSeesWhatIsSwitchedOn) {
     start({{"bits", 53}, {"guard", 1}, {"outlier", 1}, {"lambda", 1}});
