@@ -100,6 +100,9 @@ async function controls() {
   console.log(`${names.length} controls moved to both ends and back`);
 }
 async function links() {
+  await open();
+  check(await evaluate("svg(1)") === fs.readFileSync("docs/live.svg", "utf8"),
+    "docs/live.svg is not what the page draws: ./lab live --pictures leaves it in build/live");
   await open("#bits=12&lambda=0.95&variants=ud%2Cqr&variant=ud&outlier=1&bogus=9&rows=1e9&noise=x");
   check(await evaluate(`page.values.bits === 12 && page.values.lambda === 0.95 && page.values.outlier === 1 &&
     page.values.rows === 2000 && page.values.noise === 0.1 && [...page.chosen].join() === "ud,qr" &&
@@ -179,6 +182,8 @@ async function pictures() {
       check(await evaluate("document.documentElement.scrollWidth <= innerWidth"), `${width} px: wider than the window`);
       const { data } = await send("Page.captureScreenshot", { captureBeyondViewport: true });
       fs.writeFileSync(path.join(folder, `live_${width}_${scheme}.png`), Buffer.from(data, "base64"));
+      if (width > 500 && scheme === "light")    // README's
+        fs.writeFileSync(path.join(folder, "live.svg"), await evaluate("svg(1)"));
     }
 }
 

@@ -11,7 +11,7 @@ double __wrap_fma(double x, double y, double z);
 
 /// x y + z, rounded once. The library calls it for the tail of a result that it has: z is near -x y. Where it is within
 /// a factor of two of -x y, Dekker's product of exponents far from double's ends is exact, and so is its sum with z
-/// (Sterbenz 1974); everything else is musl's.
+///; everything else is musl's.
 double __wrap_fma(double x, double y, double z) {
     using namespace rlslab::detail;
     auto const exponent = [](double v) { return int(bits_of(v) >> 52 & 2047) - 1023; };

@@ -171,11 +171,12 @@ function save(name, type, content) {
   a.click();
   setTimeout(() => URL.revokeObjectURL(a.href), 1000);
 }
-function svg() {
+/** The first figures, with keys and settings. */
+function svg(panels = 3) {
   const now = look(), W = 900, parts = [], names = variants.map(v => v.name).filter(n => page.chosen.has(n));
   const titles = ["Digits of theta", "Digits of P", "Eigenvalues of P"], heights = [320, 220, 220];
   let y = 40;
-  figures(now).forEach((spec, i) => {
+  figures(now).slice(0, panels).forEach((spec, i) => {
     const g = new SvgContext(20, y);
     plot(g, W - 40, heights[i], spec, now);
     parts.push(`<text x="20" y="${y - 8}" font-weight="600" fill="${now.text}">${titles[i]}</text>${g}`);
@@ -188,7 +189,7 @@ function svg() {
   });
   const s = shown.sent.values, H = y + 62;
   parts.push(`<text x="20" y="${y + 46}" fill="${now.soft}">${escaped(`${shown.taken} rows, ${words.format(s)}, λ = ${
-    s.lambda}${page.record ? `, ${page.record}` : ""}; settings: ${link()}`)}</text>`);
+    s.lambda}${page.record ? `, ${page.record}` : ""}${link() === "#" ? "" : `; ${link()}`}`)}</text>`);
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${W} ${H}" width="${W}" height="${H}" ` +
     `font-family="system-ui, 'DejaVu Sans', sans-serif" font-size="12"><rect width="${W}" height="${H}" ` +
     `fill="${now.page}"/>${parts.join("\n")}</svg>\n`;
