@@ -32,6 +32,7 @@ def tables():
         package, version, name, kind, licence, title = line.rstrip("\n").split("\t")
         rows = list(csv.reader(open(folder / "raw" / f"{package}.{name}.csv", encoding="utf-8", errors="replace")))
         columns = [list(map(number, c)) for c in zip(*rows[1:])] if len(rows[0]) > 0 else []
+        licence = licence.replace("Part of R 4.2.2", "GPL-2 | GPL-3")
         yield package, version, name, kind, licence, title, rows[0], columns
     for module in sorted(m.name for m in pkgutil.iter_modules(statsmodels.datasets.__path__) if m.ispkg):
         if module == "tests":
@@ -116,7 +117,7 @@ for package, version, name, kind, licence, title, names, columns in tables():
     all_rows = len(columns[0]) if columns else 0
     status, y, dropped = "used", "", []
     if record in made:
-        status = "left out: made, not measured"
+        status = "left out: made up"
     elif record in parts:
         status = f"left out: a part of {parts[record]}"
     elif kind != "series" and len(columns) < 2:

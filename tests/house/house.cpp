@@ -117,7 +117,7 @@ std::vector<Folder> const house{
     {"studies/accuracy", {"studies/engine"}},
     {"studies/forgetting", {"studies/engine"}},
     {"studies/adapt", {"studies/engine"}},
-    {"studies/published", {"studies/engine"}},
+    {"studies/published", {"studies/engine", "compare"}},
     {"studies/theory", {"studies/engine"}},
     {"capi", {"catalogue/native"}},
     {"bench", {"catalogue", "report", "capi"}},
