@@ -135,7 +135,7 @@ std::vector<Folder> const house{
     {"studies/forgetting", {"studies/engine"}},
     {"studies/adapt", {"studies/engine"}},
     {"studies/fast", {"studies/engine", "fast"}},
-    {"studies/published", {"studies/engine"}},
+    {"studies/published", {"studies/engine", "compare"}},
     {"studies/theory", {"studies/engine"}},
     {"capi", {"catalogue/native"}},
     {"bench", {"catalogue", "report", "capi", "fast"}},
