@@ -1,5 +1,6 @@
 // The delta forms (docs/theory.md 91): the same recursion in rationals, no drift in float, and every digit of a large
 // prior's first rows.
+#include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
@@ -18,10 +19,8 @@
 namespace rlslab {
 namespace {
 
-using studies::Rational;
-
 TEST(DeltaForms, UdIsTheSameInRationals) {
-    for (Rational const lambda : {Rational(1), Rational(7) / 8, Rational(1) / 5}) {
+    for (Rational const& lambda : {Rational(1), Rational(7) / 8, Rational(1) / 5}) {
         Problem<Rational> const problem{.size = 3, .forgetting = lambda, .prior = Prior<Rational>{.variance = 1000}};
         Ud<Rational> plain(problem);
         UdDelta<Rational> delta(problem);
