@@ -323,7 +323,7 @@ TEST(NativeFromState, WhatHasNoNameIsRefusedInOneLine) {
     constexpr GuardPolicy unnamed{Action::skip, Action::report, Action::report, Action::report};
     Problem<double> const p{.size = 2};
     EXPECT_THAT(refusal_of_state({}), HasSubstr("not a state"));
-    EXPECT_THAT(refusal_of_state(state_of(Ud<Quad>({.size = 2}))), HasSubstr("ud in binary128"));
+    EXPECT_THAT(refusal_of_state(state_of(Ud<Quad>({.size = 2}))), HasSubstr("ud in quad"));
     EXPECT_THAT(refusal_of_state(state_of(Assessed<Ud<double>>(p))), HasSubstr("\"assessed\" around ud"));
     EXPECT_THAT(refusal_of_state(state_of(Guarded<Ud<double>, unnamed>(p))), HasSubstr("policy has no name"));
     EXPECT_THAT(refusal_of_state(state_of(Forgetting<Ud<double>, RotatingRidge<double>>(p, {.toward_zero = true}))),
