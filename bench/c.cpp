@@ -1,6 +1,7 @@
 // What rlslab.h adds to a row: rlslab_update of librlslab.so beside the same variant by its type, in turns.
-//   rlslab_bench_c [ROUNDS]   nanoseconds a row, the least over the rounds (20000 by default), each of 64 rows; and the
-//                             median over the rounds of the difference of the two neighbours in time
+//   rlslab_bench_c [ROUNDS [ROWS]]   nanoseconds a row, the least over the rounds (20000 by default), each of so many
+//                                    rows (64); and the median over the rounds of the difference of the two neighbours
+//                                    in time
 #include "capi/rlslab.h"
 
 #include <rlslab/core/random.hpp>
@@ -17,8 +18,6 @@
 namespace rlslab::bench {
 namespace {
 
-constexpr int rows = 64;
-
 double now() {
     using namespace std::chrono;
     return double(duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count());
@@ -31,7 +30,7 @@ rlslab_status update_c(rlslab_filter* filter, float const* psi, float y, rlslab_
 }
 
 template <class F>
-void compare(int rounds, Index d) {
+void compare(int rounds, Index rows, Index d) {
     using T = typename F::scalar;
     std::string const variant(F::name), arithmetic(ArithmeticTraits<T>::name);
     rlslab_options options;
@@ -42,7 +41,7 @@ void compare(int rounds, Index d) {
     F filter(Problem<T>{.size = d});
 
     Seed seed{1};
-    std::vector<T> psi(std::size_t(rows * d)), y(rows);
+    std::vector<T> psi(std::size_t(rows * d)), y(psi.size() / std::size_t(d));
     for (T& x : psi) x = T(seed.bell());
     for (T& x : y) x = T(seed.bell());
     double least_cpp = std::numeric_limits<double>::infinity(), least_c = least_cpp;
@@ -62,9 +61,9 @@ void compare(int rounds, Index d) {
             innovations -= step.innovation;
         }
         double const end = now();
-        least_cpp = std::min(least_cpp, (half - start) / rows);
-        least_c = std::min(least_c, (end - half) / rows);
-        differences.push_back((end - half - (half - start)) / rows);
+        least_cpp = std::min(least_cpp, (half - start) / double(rows));
+        least_c = std::min(least_c, (end - half) / double(rows));
+        differences.push_back((end - half - (half - start)) / double(rows));
     }
     std::ranges::nth_element(differences, differences.begin() + rounds / 2);
     std::printf("| `%s` | %s | %d | %.1f | %.1f | %.1f | %.1f |%s\n", variant.c_str(), arithmetic.c_str(), int(d),
@@ -79,13 +78,14 @@ void compare(int rounds, Index d) {
 int main(int count, char** arguments) {
     using namespace rlslab;
     int const rounds = count > 1 ? std::max(2, std::atoi(arguments[1])) : 20000;
+    Index const rows = count > 2 ? std::max(1, std::atoi(arguments[2])) : 64;
     std::printf("| variant | arithmetic | d | C++ | C | C - C++ | its median |\n|---|---|---|---|---|---|---|\n");
     for (Index const d : {4, 16}) {
-        bench::compare<Ud<double>>(rounds, d);
-        bench::compare<Ud<float>>(rounds, d);
-        bench::compare<Conventional<double>>(rounds, d);
-        bench::compare<Carlson<double>>(rounds, d);
-        bench::compare<InverseQr<double>>(rounds, d);
-        bench::compare<Qr<double>>(rounds, d);
+        bench::compare<Ud<double>>(rounds, rows, d);
+        bench::compare<Ud<float>>(rounds, rows, d);
+        bench::compare<Conventional<double>>(rounds, rows, d);
+        bench::compare<Carlson<double>>(rounds, rows, d);
+        bench::compare<InverseQr<double>>(rounds, rows, d);
+        bench::compare<Qr<double>>(rounds, rows, d);
     }
 }

@@ -4,7 +4,7 @@ usage: PYTHONPATH=build/study/python /usr/bin/python3 bench/python_peers.py [--b
 
 Prints the table of docs/python.md. Rows that are not there are left out (statsmodels). Times are the least of many
 stretches; digits are against the exact solution, by fractions. --beside: what Python adds to a row of `ud`, in turns
-with that program's loop in C++.
+with that program's loop in C++ over as many rows.
 """
 
 from __future__ import annotations
@@ -159,12 +159,12 @@ def beside(program, turns=40):
     takes = {(way, d): run(*data(d))[1] for way, run in ways.items() for d in (4, 16)}
     least = {}
     for _ in range(turns):
-        printed = subprocess.run([program, "200"], check=True, capture_output=True, text=True).stdout
+        printed = subprocess.run([program, "30", str(ROWS)], check=True, capture_output=True, text=True).stdout
         for found in re.finditer(r"\| `ud` \| double \| (\d+) \| ([0-9.]+) \|", printed):
             place = "C++", int(found[1])
             least[place] = min(least.get(place, math.inf), float(found[2]))
         for place, take in takes.items():
-            least[place] = min(least.get(place, math.inf), least_time(take, ROWS, 5))
+            least[place] = min(least.get(place, math.inf), least_time(take, ROWS, 30))
     print("| d | C++ | `update` | more | `update_many` | times as long |")
     print("|---|---|---|---|---|---|")
     for d in (4, 16):

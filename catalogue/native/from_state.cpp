@@ -133,7 +133,7 @@ Saved saved(std::span<std::byte const> state) {
     reader.find_guard(guarded);
     while (!out.control_numbers.empty() && std::isnan(out.control_numbers.back())) out.control_numbers.pop_back();
 
-    // The rows that a guard keeps to rebuild from are told by the state's length alone.
+    // Only the state's length says how many rows a guard keeps to rebuild from.
     if (NamedPolicy const* const named = find_policy(out.options.guard); named && named->policy.rebuilds()) {
         Index const d = out.options.size;
         out.options.rebuild_rows = 1;

@@ -99,7 +99,7 @@ def identify(
     >>> m.conf_int(0.01).shape, m.poles.round(2)
     ((4, 2), array([0.75+0.37j, 0.75-0.37j]))
     >>> m.pvalues.round(3), bool((m.recursive_coefficients[-1] == m.params).all())
-    (array([0.   , 0.   , 0.   , 0.456]), True)
+    (array([0., 0., 0., 0.]), True)
     """
     inputs: ArrayLike = np.empty((len(np.atleast_1d(np.asarray(y))), 0)) if u is None else u
     csv, names, output = _program.table(inputs, y, "u", "u")

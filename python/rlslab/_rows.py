@@ -12,6 +12,8 @@ Numbers = NDArray[np.floating[Any]]
 
 def numbers(given: ArrayLike, name: str) -> Numbers:
     """An array of float64 or float32 in this machine's order of bytes; TypeError for what is no real number."""
+    if type(given) is np.ndarray and given.dtype.char in "fd" and given.dtype.isnative:
+        return given    # at once: of many short blocks most of the time would go below
     in_list = given if isinstance(given, (list, tuple)) else ()
     if any(isinstance(part, np.ma.MaskedArray) for part in (given, *in_list)):
         raise TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
@@ -30,7 +32,8 @@ def numbers(given: ArrayLike, name: str) -> Numbers:
 
 def contiguous(array: Numbers) -> Numbers:
     """One after another and aligned, as it is where it is so."""
-    return np.require(array, requirements=["C", "A"])
+    ready = array.flags.c_contiguous and array.flags.aligned
+    return array if ready else np.require(array, requirements=["C", "A"])
 
 
 def row(psi: ArrayLike, size: int) -> Numbers:

@@ -155,7 +155,7 @@ std::vector<Folder> const house{
     {"examples/own_bench", {}},
     {"examples/microcontroller", {"src/rlslab/many", "variants"}},
     {"examples/microcontroller/board", {}},
-    {"tests/python", {"variants"}},
+    {"tests/python", {"src/rlslab/adapt", "variants"}},
     {"tests/long_run", {"catalogue"}},
     {"tests/fuzz", {"program"}},
     {"tests/mpi", {"src/rlslab/many", "variants"}},

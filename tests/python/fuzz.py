@@ -95,10 +95,11 @@ def case(r):
             elif what == 3:
                 state = bytearray(before)
                 state[r.randrange(len(state))] ^= 1 << r.randrange(8)
-                f.restore(bytes(state[: r.choice([len(state), r.randrange(len(state))])]))
+                damaged = bytes(state[: r.choice([len(state), r.randrange(len(state))])])
+                r.choice([f.restore, rlslab.from_state])(damaged)
                 raise AssertionError("a damaged state was taken")
             elif what == 4:
-                f = pickle.loads(pickle.dumps(f))
+                f = pickle.loads(pickle.dumps(f)) if r.random() < 0.5 else rlslab.from_state(before)
             else:
                 f.pass_time(), g.pass_time()
         except (ValueError, TypeError, OverflowError) as e:
