@@ -1,15 +1,19 @@
 """Time and digits of the Python package beside other ways to write recursive least squares in Python.
 
-usage: PYTHONPATH=build/study/python /usr/bin/python3 bench/python_peers.py
+usage: PYTHONPATH=build/study/python /usr/bin/python3 bench/python_peers.py [--beside build/study/bench/rlslab_bench_c]
 
 Prints the table of docs/python.md. Rows that are not there are left out (statsmodels). Times are the least of many
-stretches; digits are against the exact solution, by fractions.
+stretches; digits are against the exact solution, by fractions. --beside: what Python adds to a row of `ud`, in turns
+with that program's loop in C++.
 """
 
 from __future__ import annotations
 
 import gc
 import math
+import re
+import subprocess
+import sys
 import time
 import warnings
 from fractions import Fraction
@@ -84,14 +88,6 @@ class Filterpy:
         return self.x[:, 0]
 
 
-class Many:
-    """A filter of the package by update_many."""
-
-    def __init__(self, make):
-        self.f = make()
-        self.take = self.f.update_many
-
-
 def least_time(call, rows, stretches):
     out = math.inf
     for _ in range(stretches):
@@ -157,8 +153,29 @@ WAYS = {
 }
 
 
+def beside(program, turns=40):
+    """Turns of both, some milliseconds each; the least of all turns."""
+    ways = {"update": by_rows(rlslab.Ud), "update_many": at_once(rlslab.Ud)}
+    takes = {(way, d): run(*data(d))[1] for way, run in ways.items() for d in (4, 16)}
+    least = {}
+    for _ in range(turns):
+        printed = subprocess.run([program, "200"], check=True, capture_output=True, text=True).stdout
+        for found in re.finditer(r"\| `ud` \| double \| (\d+) \| ([0-9.]+) \|", printed):
+            place = "C++", int(found[1])
+            least[place] = min(least.get(place, math.inf), float(found[2]))
+        for place, take in takes.items():
+            least[place] = min(least.get(place, math.inf), least_time(take, ROWS, 5))
+    print("| d | C++ | `update` | more | `update_many` | times as long |")
+    print("|---|---|---|---|---|---|")
+    for d in (4, 16):
+        cpp, one, many = (least[way, d] for way in ("C++", "update", "update_many"))
+        print(f"| {d} | {cpp:.1f} | {one:.1f} | {one - cpp:.1f} | {many:.1f} | {many / cpp:.3f} |")
+
+
 def main():
     gc.disable()
+    if sys.argv[1:2] == ["--beside"]:
+        return beside(*sys.argv[2:3])
     print("| | ns a row, d = 4 | d = 16 | digits, white | digits, dependent |")
     print("|---|---|---|---|---|")
     for name, run in WAYS.items():

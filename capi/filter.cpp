@@ -126,3 +126,13 @@ rlslab_status rlslab_load(rlslab_filter* filter, void const* from, std::size_t b
     if (!filter || !from) return null_among({{"filter", filter}, {"from", from}});
     return load(of(filter), from, bytes);
 }
+rlslab_status rlslab_from_state(void const* from, std::size_t bytes, rlslab_filter** out) {
+    if (!out) return null_among({{"out", out}});
+    *out = nullptr;
+    if (!from) return null_among({{"from", from}});
+    return guarded(
+        [&] {
+            *out = handle(native::from_state({static_cast<std::byte const*>(from), bytes}));
+        },
+        RLSLAB_STATE);
+}

@@ -1,12 +1,10 @@
 // Recursive least squares from C: every dense variant in float and double, alone, guarded, windowed or with a rule of
-// forgetting, and fleets. C99; also valid C++.
+// forgetting, and fleets. C99; also valid C++. Link with `pkg-config --libs rlslab-c`. docs/c.md has a first program.
 //
 // A function returns RLSLAB_OK or the error's code. After an error the filter is as it was, and rlslab_message() says
 // why in one line. No function throws, exits, aborts or writes to a stream. A null pointer is an error (RLSLAB_NULL)
 // except where "or null" stands. One thread at a time may use a filter; several filters need no lock. A breakdown is a
-// result, not an error: see rlslab_step.health.
-//
-// d is the number of parameters. Matrices are d x d, by columns.
+// result, not an error: see rlslab_step.health. d is the number of parameters; matrices are d x d, by columns.
 #ifndef RLSLAB_H
 #define RLSLAB_H
 #include <stddef.h>
@@ -63,9 +61,9 @@ typedef struct rlslab_options {
     double const* prior_theta;       // d numbers, or null: 0
     double const* prior_covariance;  // P0, d x d, symmetric, or null: c^2 I
     size_t window;                   // rows; 0: none
-    char const* guard;               // a name of RLSLAB_GUARDS, or null: none
+    char const* guard;               // "reset" skips bad rows and mends P; a name of RLSLAB_GUARDS, or null: none
     char const* control;             // a name of RLSLAB_CONTROLS (a rule of forgetting), or null: constant
-    double const* control_numbers;   // the rule's, in its order; NaN: the rule's default; or null: all of them
+    double const* control_numbers;   // the rule's, in the order of docs/c.md; NaN: its default; or null: all of them
     size_t control_count;            // how many are there
     double largest_variance;         // this and the next three are the guard's; NaN: its default
     double innovation;
@@ -118,11 +116,13 @@ typedef struct rlslab_counts {
 } rlslab_counts;
 rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, size_t bytes);
 
-// The state is of the same bytes from every language. It is loaded into a filter of the same variant, arithmetic, size
-// and composition. Errors: ROOM, STATE.
+// The state is of the same bytes from every language. load: into a filter of the same variant, arithmetic, size and
+// composition. from_state: a new filter, which goes on from the state; its reset has the default forgetting and prior.
+// Errors: ROOM, STATE.
 size_t rlslab_state_size(rlslab_filter const* filter);  // bytes, 0 of null
 rlslab_status rlslab_save(rlslab_filter const* filter, void* to, size_t room);
 rlslab_status rlslab_load(rlslab_filter* filter, void const* from, size_t bytes);
+rlslab_status rlslab_from_state(void const* from, size_t bytes, rlslab_filter** out);
 
 // M filters of one variant and one problem, which take a row each at a time. Not of qr_block, not composed.
 typedef struct rlslab_fleet rlslab_fleet;

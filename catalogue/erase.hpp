@@ -4,6 +4,7 @@
 #include <rlslab/state/state_file.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/catalogue/any_filter.hpp>
+#include <rlslab/catalogue/relative_errors.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/catalogue/timing.hpp>
 
@@ -27,26 +28,6 @@ Stored<double> in_double(Stored<T> const& stored) {
         return y != 0 || x == T(0) ? y : x < T(0) ? -least : least;
     });
 }
-
-/// AnyFilter::update's errors.
-template <class T>
-struct RelativeErrors {
-    Matrix<double> const& relative;
-    std::vector<T> left;  ///< of the running gain, by the column before
-
-    void operator()(auto& K) {
-        for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative(i, relative.cols() - 1));
-    }
-    void operator()(std::span<T> v, T const& kept) {
-        bool const stays = relative.cols() > 1;
-        Index const column = stays ? Index(v.size()) - 1 : 0;
-        for (size_t i = 0; i < v.size(); ++i) {
-            bool const fresh = stays || i + 1 == v.size();  // else what is new in v_i alone: the rest has its error
-            T const changed = fresh ? v[i] : T(v[i] - kept * left[i]);
-            left[i] = v[i] += changed * T(relative(Index(i), column));
-        }
-    }
-};
 
 /// The state of f as bytes, and back. Throws InputError in one line for other bytes.
 template <NamesItsState F>

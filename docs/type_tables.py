@@ -11,7 +11,7 @@ import sys
 root = pathlib.Path(__file__).resolve().parent.parent
 page = root / "docs/types.md"
 
-# A heading, and header: types. Those behind `left out` are parts of others, or concepts' helpers.
+# A heading, and header: types; (): its functions. Those behind `left out` are parts of others, or concepts' helpers.
 sections = [
     ("A problem, a row, a step", [("src/rlslab/core/problem.hpp", "Problem Prior Step Health Regressor")]),
     ("A guard", [("src/rlslab/adapt/guard.hpp", "Guarded GuardOptions"),
@@ -37,6 +37,10 @@ sections = [
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
     ("By name", [("catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
+    ("A study of your own", [("studies/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
+                              "Verdict Judgement ()"), ("studies/engine/table.hpp", "Table ()"),
+                             ("studies/engine/judgements.hpp", "Estimate ()"),
+                             ("studies/engine/scenarios.hpp", "()"), ("studies/engine/checkpoints.hpp", "()")]),
 ]
 left_out = """
 OneLane RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
@@ -93,7 +97,7 @@ def members(body, is_class):
                 i += 1
             while i + 1 < len(lines) and lines[i + 1].strip().startswith("///<"):
                 i += 1
-                text += lines[i]
+                text += "\n" + lines[i]
             if public:
                 out.append((text, comment, lines[begin:i + 1]))
             comment = []
@@ -109,7 +113,7 @@ def row(text, comment):
     if re.match(r"(static constexpr|static auto|static std::array|using|friend|template <class> |enum|private|struct)",
                 code) or code in (";", "};"):
         return None
-    if "(" in code.split("=")[0].split("{")[0]:  # a function, or a constructor
+    if "(" in code.split("=")[0].split("{")[0] and not code.startswith("std::function"):  # a function, or a constructor
         head = code
         if "{" in head:
             depth = 0
@@ -127,38 +131,55 @@ def row(text, comment):
     return f"{field['type']} {field['name']}", default, what
 
 
+def grid(head, rows):
+    """Rows of code, perhaps a default, and words."""
+    code = lambda text: "`" + text.replace("|", "\\|") + "`" if text else ""
+    columns = head.split(",")
+    return ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"] + [
+        "| " + " | ".join([*map(code, row[:-1]), row[-1]]) + " |" for row in rows] + [""]
+
+
+def included(header):
+    for where in ("src/rlslab/", "catalogue/", "studies/engine/"):
+        header = header.replace(where, "rlslab/" + {"catalogue/": where, "studies/engine/": "studies/"}.get(where, ""))
+    return f"`<{header}>`"
+
+
+def functions(header):
+    source = (root / header).read_text()
+    begin, end = block(source, source.index("\nnamespace "))
+    rows = [r for text, own, _ in members(source[begin + 1:end - 1], False) if (r := row(text, own))]
+    return [included(header), "", *grid("function,what it does", [(f, w) for f, d, w in rows if d is None])]
+
+
 def table(header, name):
+    if name == "()":
+        return functions(header)
     source = (root / header).read_text()
     found = re.search(rf"^(?P<kind>struct|class|enum class) {name}\b[^;{{]*\{{", source, re.M)
     if not found:
         raise SystemExit(f"docs/type_tables.py: no {name} in {header}")
     above = source[:found.start()].rstrip("\n").split("\n")
     while above and not above[-1].startswith("///"):  # template <...> requires ...
-        if not above[-1].strip() or above[-1].startswith("}"):
+        if re.match(r"$|}|\S.*;$", above.pop()):
             above = []
-            break
-        above.pop()
     comment = []
     while above and above[-1].startswith("///"):
         comment.insert(0, above.pop())
     begin, end = block(source, found.start())
-    include = header.replace("src/rlslab/", "rlslab/").replace("catalogue/", "rlslab/catalogue/")
     lines = [re.sub(r"^\s*/// ?", "", line) for line in comment]
-    out = [f"### `{name}`", "", f"`<{include}>`", ""] + [f"{line}\n" for line in lines if len(lines) == 1]
+    out = [f"### `{name}`", "", included(header), ""] + [f"{line}\n" for line in lines if len(lines) == 1]
     if len(lines) > 1:  # its formulas and lists as they are laid out
         out += ["```text", *lines, "```", ""]
     if found["kind"] == "enum class":
-        names = re.sub(r"\s+", " ", source[begin + 1:end - 1]).strip().rstrip(",")
+        names = re.sub(r"\s+", " ", re.sub(r"//.*", "", source[begin + 1:end - 1])).strip().rstrip(",")
         return out + ["Values: " + ", ".join(f"`{n.strip()}`" for n in names.split(",")) + ".", ""]
     rows = [r for text, own, _ in members(source[begin + 1:end - 1], found["kind"] == "class") if (r := row(text, own))]
-    fields, functions = [r for r in rows if r[1] is not None], [r for r in rows if r[1] is None]
-    code = lambda text: "`" + text.replace("|", "\\|") + "`" if text else ""
+    fields, members_ = [r for r in rows if r[1] is not None], [r for r in rows if r[1] is None]
     if fields:
-        out += ["| field | default | meaning |", "|---|---|---|"]
-        out += [f"| {code(f)} | {code(d)} | {w} |" for f, d, w in fields] + [""]
-    if functions:
-        out += ["| member | what it does |", "|---|---|"]
-        out += [f"| {code(f)} | {w} |" for f, _, w in functions] + [""]
+        out += grid("field,default,meaning", fields)
+    if members_:
+        out += grid("member,what it does", [(f, w) for f, _, w in members_])
     return out
 
 

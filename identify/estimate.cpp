@@ -244,12 +244,14 @@ std::vector<TrajectoryPoint> trajectory_of(std::vector<Index> const& checkpoints
     return out;
 }
 
-std::vector<Parameter> parameters_of(std::vector<Term> const& terms, TrajectoryPoint const& last, double quantile) {
+std::vector<Parameter> parameters_of(std::vector<Term> const& terms, TrajectoryPoint const& last, double freedom,
+                                     double quantile) {
     std::vector<Parameter> out;
     for (size_t i = 0; i < terms.size(); ++i) {
         double const theta = last.theta[Index(i)], sd = last.sd[Index(i)], value = std::isfinite(theta) ? theta : NAN,
-                     reach = quantile * sd;
-        out.push_back({terms[i].name, terms[i].regressor, value, sd, value - reach, value + reach});
+                     reach = quantile * sd, t = value / sd;
+        out.push_back({terms[i].name, terms[i].regressor, value, sd, value - reach, value + reach,
+                       correctly::fisher_tail(1, freedom, t * t)});
     }
     return out;
 }
@@ -277,7 +279,7 @@ Estimation estimate(std::string const& file, IdentifyOptions const& options, Str
     out.quantile =
         scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : NAN;
     out.trajectory = trajectory_of(checkpoints, variant, exact, out.sigma2);
-    out.parameters = parameters_of(structure.terms, out.trajectory.back(), out.quantile);
+    out.parameters = parameters_of(structure.terms, out.trajectory.back(), out.student, out.quantile);
     Vector<double> const& sd = out.trajectory.back().sd;
     out.prior_effect = largest_difference(best, unbiased, sd);
     out.digits = std::min(last.theta_digits(theta), 15.95);

@@ -52,7 +52,8 @@ struct Term {
 struct Parameter {
     std::string name, regressor;
     double value, sd, lower,
-        upper;  ///< lower and upper: of the confidence interval; NaN where the variant gave no number
+        upper;       ///< lower and upper: of the confidence interval; NaN where the variant gave no number
+    double p = NAN;  ///< P(|T| >= |value| / sd), T of Student's distribution
 };
 
 /// theta(k) and its standard deviations at one row.

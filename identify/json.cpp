@@ -139,7 +139,8 @@ std::string as_json(Identified const& m) {
                               {"value", number(p.value)},
                               {"sd", number(p.sd)},
                               {"low", number(p.lower)},
-                              {"high", number(p.upper)}});
+                              {"high", number(p.upper)},
+                              {"p", number(p.p)}});
     for (OrderFit const& f : m.choice.fits)
         orders.push_back({{"order", f.order},
                           {"parameters", f.parameters},

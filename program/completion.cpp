@@ -1,5 +1,6 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
 #include <rlslab/catalogue/catalogue.hpp>
+#include "program/commands.hpp"
 #include "program/definitions.hpp"
 #include "program/examples.hpp"
 #include "program/sweep.hpp"
@@ -249,6 +250,19 @@ _rlslab() {
         out += fmt::format("        {}) _arguments{}          ;;\n", command->get_name(),
                            zsh_arguments(*command, "          "));
     return out + "      esac ;;\n  esac\n}\n\n_rlslab \"$@\"\n";
+}
+
+Command completion_command(CLI::App& app) {
+    auto const shell = std::make_shared<std::string>();
+    CLI::App* const c =
+        app.add_subcommand("completion", "What bash or zsh load to complete the words of rlslab.")->group("");
+    c->add_option("SHELL", *shell, "bash or zsh")->required()->type_name("")->check([](std::string const& name) {
+        return name == "bash" || name == "zsh" ? "" : "expected bash or zsh, found \"" + printable(name) + '"';
+    });
+    return {c, [shell, &app] {
+                print(*shell == "bash" ? bash_completion(app) : zsh_completion(app));
+                return 0;
+            }};
 }
 
 }  // namespace rlslab::program

@@ -1,4 +1,4 @@
-// rlslab help, and two commands for the build: the manual page and the completions.
+// rlslab help.
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
 
@@ -16,27 +16,6 @@ Command help_command(CLI::App& app) {
                 for (CLI::App const* command : shown_commands(app)) names.push_back(command->get_name());
                 if (!name->empty()) expect_one_of(names, *name, "", "command");
                 print(help_text(name->empty() ? app : *app.get_subcommand(*name)));
-                return 0;
-            }};
-}
-
-Command man_command(CLI::App& app) {
-    CLI::App* const c = app.add_subcommand("man", "The manual page, in roff.")->group("");
-    return {c, [&app] {
-                print(manual_page(app));
-                return 0;
-            }};
-}
-
-Command completion_command(CLI::App& app) {
-    auto const shell = std::make_shared<std::string>();
-    CLI::App* const c =
-        app.add_subcommand("completion", "What bash or zsh load to complete the words of rlslab.")->group("");
-    c->add_option("SHELL", *shell, "bash or zsh")->required()->type_name("")->check([](std::string const& name) {
-        return name == "bash" || name == "zsh" ? "" : "expected bash or zsh, found \"" + printable(name) + '"';
-    });
-    return {c, [shell, &app] {
-                print(*shell == "bash" ? bash_completion(app) : zsh_completion(app));
                 return 0;
             }};
 }

@@ -1,4 +1,5 @@
 // The manual page: one page for the program and all its commands, in the man macros.
+#include "program/commands.hpp"
 #include "program/definitions.hpp"
 
 #include <fmt/format.h>
@@ -88,6 +89,14 @@ std::string manual_page(CLI::App const& app) {
                "What a study or a sweep found. Each is written beside and then renamed: it is there whole or as it was "
                "before.");
     return out;
+}
+
+Command man_command(CLI::App& app) {
+    CLI::App* const c = app.add_subcommand("man", "The manual page, in roff.")->group("");
+    return {c, [&app] {
+                print(manual_page(app));
+                return 0;
+            }};
 }
 
 }  // namespace rlslab::program

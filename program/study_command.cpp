@@ -164,6 +164,7 @@ int study_whole(StudyArguments const& a) {
 int run_study(StudyArguments& a) {
     resolve(a);
     if (a.describe) return describe(a);
+    expect_no_other_run(a.out, "sweep.csv", "sweep");
     return a.part.whole() ? study_whole(a) : study_part(a);
 }
 

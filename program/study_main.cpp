@@ -33,7 +33,7 @@ ThisProgram const this_program{
     .answer_is_no = "a verdict changed or a verification failed",
     .commands =
         [](CLI::App& app) {
-            return std::vector<Command>{study_command(app), merge_command(app), list_command(app)};
+            return std::vector<Command>{study_command(app), merge_command(app), list_command(app), help_command(app)};
         },
 };
 

@@ -81,6 +81,12 @@ std::string noted_run(std::string const& folder) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+void expect_no_other_run(std::string const& folder, char const* file, char const* command) {
+    if (std::filesystem::exists(std::filesystem::path(folder) / file))
+        throw InputError(fmt::format("--out {}: holds what {} {} made ({}); expected another folder",
+                                     printable(folder, 200), program_name(), command, file));
+}
+
 void note_run(StudyRun const& run, std::string const& text, char const* others) {
     std::string const before = noted_run(run.out);
     if (!before.empty() && before != text)

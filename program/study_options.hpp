@@ -21,6 +21,8 @@ void check_part(StudyRun const& run);
 /// What the parts in a folder are of, DIR/.trials/run.json; "" if it holds none. Throws InputError for what is no file
 /// of its size.
 std::string noted_run(std::string const& folder);
+/// Throws an InputError where the folder holds this file of another command.
+void expect_no_other_run(std::string const& folder, char const* file, char const* command);
 /// Writes that. Throws InputError that the folder holds parts of `others` if another text stands there.
 void note_run(StudyRun const& run, std::string const& text, char const* others);
 /// Runs the trials of run.part; the caller holds the folder's lock.

@@ -64,6 +64,7 @@ int run_sweep(SweepArguments& a) {
     a.options.budget = Budget::full;
     if (!a.part.whole()) check_part(a);
     if (!a.part.whole() && !a.from.empty()) throw InputError("--from: does not go with --part");
+    expect_no_other_run(a.out, "verdicts.json", "study");
     Provenance run{.command = this_run(false).command};
     Study study = study_of(sweep_of(a, run), a.options.seed);
     study.source = fmt::format("{}, {} rows, sha256 {}", run.file, run.rows, run.sha256);

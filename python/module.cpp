@@ -28,6 +28,28 @@ PyObject* use(PyObject*, PyObject* args) {
     row_of = Py_NewRef(row);
     Py_RETURN_NONE;
 }
+/// (variant, arithmetic, size, window, guard, control, its numbers, the guard's four numbers, noise_memory,
+/// rebuild_rows) of the filter that a state is of; NaN: a default.
+PyObject* saved(PyObject*, PyObject* bytes) {
+    View view;
+    if (!view.of(bytes, PyBUF_SIMPLE)) return nullptr;
+    native::Saved found;
+    try {
+        found = native::saved({view.data<std::byte const>(), std::size_t(view.buffer.len)});
+    } catch (std::exception const&) {
+        return raise(std::current_exception());
+    }
+    auto const text = [](std::string_view name) {
+        return PyUnicode_FromStringAndSize(name.data(), Py_ssize_t(name.size()));
+    };
+    native::Options const& o = found.options;
+    PyObject* const numbers = PyTuple_New(Py_ssize_t(found.control_numbers.size()));
+    for (std::size_t i = 0; numbers && i < found.control_numbers.size(); ++i)
+        PyTuple_SetItem(numbers, Py_ssize_t(i), PyFloat_FromDouble(found.control_numbers[i]));
+    return Py_BuildValue("(NNnnNNN(dddd)nn)", text(found.variant), text(found.arithmetic), o.size, o.window,
+                         text(o.guard), text(o.control), numbers, o.largest_variance, o.innovation, o.least_noise,
+                         o.asymmetry, o.noise_memory, o.rebuild_rows);
+}
 
 PyMethodDef functions[] = {
     {"variants", names_of<native::variants>, METH_NOARGS,
@@ -40,6 +62,7 @@ PyMethodDef functions[] = {
      "controls()\n--\n\nThe rules of forgetting, for `control=`.\n\n>>> \"fortescue\" in rlslab.controls()\nTrue"},
     {"healths", words<native::name_of_health, 4>, METH_NOARGS, nullptr},
     {"signals", words<native::name_of_signal, 6>, METH_NOARGS, nullptr},
+    {"saved", saved, METH_O, nullptr},
     {"use", use, METH_VARARGS, nullptr},
     {nullptr, nullptr, 0, nullptr}};
 PyModuleDef definition{

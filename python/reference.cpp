@@ -4,6 +4,8 @@
 
 #include <rlslab/reference/enclosure.hpp>
 
+#include <chrono>
+
 namespace rlslab::python {
 namespace {
 
@@ -23,6 +25,26 @@ bool numbers(PyObject* object, Py_ssize_t n, Vector<double>& out) {
     out = Eigen::Map<Vector<double> const>(view.data<double const>(), n);
     return true;
 }
+
+/// Without the interpreter's lock: about every 50 ms it is taken for a moment, so that a signal's handler runs. Throws
+/// where one raised; Python's error is then set.
+class Signals {
+    using Clock = std::chrono::steady_clock;
+    PyThreadState*& thread_;
+    Clock::time_point next_ = Clock::now();
+
+public:
+    struct Raised : std::exception {};
+    explicit Signals(PyThreadState*& thread) : thread_(thread) {}
+    void look() {
+        if (Clock::now() < next_) return;
+        PyEval_RestoreThread(thread_);
+        bool const raised = PyErr_CheckSignals() != 0;
+        thread_ = PyEval_SaveThread();
+        if (raised) throw Raised();
+        next_ = Clock::now() + std::chrono::milliseconds(50);
+    }
+};
 
 /// certified(Psi, y, n, d, forgetting, variance, theta0, P0, digits). variance 0: no prior; theta0, P0: or None.
 PyObject* certified_of(PyObject*, PyObject* args) {
@@ -50,13 +72,19 @@ PyObject* certified_of(PyObject*, PyObject* args) {
                 problem.prior->covariance = Eigen::Map<Matrix<double> const>(prior_covariance.data(), d, d);
         }
         // The numbers are copied: nothing of Python's is touched without its lock.
-        PyThreadState* const thread = PyEval_SaveThread();
+        PyThreadState* thread = PyEval_SaveThread();
+        Signals signals(thread);
+        bool raised = false;
         try {
-            found = std::make_unique<CertifiedSolution>(certified(problem, data, {n}, digits).front());
+            found = std::make_unique<CertifiedSolution>(
+                certified(problem, data, {n}, digits, [&] { signals.look(); }).front());
+        } catch (Signals::Raised const&) {
+            raised = true;
         } catch (std::exception const&) {
             thrown = std::current_exception();
         }
         PyEval_RestoreThread(thread);
+        if (raised) return nullptr;
     } catch (std::exception const&) {
         return raise(std::current_exception());
     }

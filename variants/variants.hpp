@@ -3,12 +3,14 @@
 
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/carlson_delta.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/conventional_two_sided.hpp>
 #include <rlslab/variants/extended_qr.hpp>
 #include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/information.hpp>
 #include <rlslab/variants/inverse_qr.hpp>
+#include <rlslab/variants/inverse_qr_delta.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
 #include <rlslab/variants/kalman.hpp>
@@ -17,6 +19,7 @@
 #include <rlslab/variants/qr_block.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 #ifdef RLSLAB_SPARSE
 #include <rlslab/variants/cholesky_sparse.hpp>
 #include <rlslab/variants/qr_sparse.hpp>
@@ -40,8 +43,11 @@ using Variants = OverScalar<T,
     JosephRankTwo<T>,
     Potter<R>,
     Carlson<R>,
+    CarlsonDelta<R>,
     Ud<T>,
+    UdDelta<T>,
     InverseQr<R>,
+    InverseQrDelta<R>,
     Kalman<T>,
     Information<T>,
     Qr<R>,

@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace rlslab::native {
 
@@ -102,7 +103,21 @@ public:
 /// cannot carry, with its reason.
 std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmetic, Options const& options);
 
-/// The names that `make` takes, in the order of the library's lists: 15 variants, "float" and "double", the policies of
+/// What `make` is given for a filter that can go on from a state, as far as the state says it by name: variant,
+/// arithmetic, size, window, guard and control with those of their options that are not the default. Forgetting, prior
+/// and a guard's largest_variance are among the state's numbers. Throws std::invalid_argument, in one line, for bytes
+/// that are no state, damaged, or of something that has no name here.
+struct Saved {
+    std::string_view variant, arithmetic;
+    Options options = {};  ///< but control_numbers
+    std::vector<double> control_numbers = {};
+};
+Saved saved(std::span<std::byte const> state);
+/// A filter made so, gone on from the state: as the one that was saved, bit for bit, until `reset`, which starts with
+/// the default forgetting and prior. Throws as `saved`, `make` and `load`.
+std::unique_ptr<Filter> from_state(std::span<std::byte const> state);
+
+/// The names that `make` takes, in the order of the library's lists: 18 variants, "float" and "double", the policies of
 /// guards, the rules of forgetting.
 std::span<std::string_view const> variants();
 std::span<std::string_view const> arithmetics();

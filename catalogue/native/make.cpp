@@ -52,7 +52,9 @@ std::vector<double> numbers_of(Control const& control, Options const& o, Problem
         if (std::isnan(x)) x = p.start;
         if (std::isnan(x) && p.range.otherwise == RuleDefault::prior_variance && problem.prior)
             x = problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff() : problem.prior->variance;
-        if (std::isnan(x)) refuse(of + "expected its number " + std::string(p.name));
+        if (std::isnan(x))
+            refuse(of + "expected its number " + std::string(p.name) + ", found " +
+                   std::to_string(o.control_numbers.size()) + " numbers");
         bool const above = p.range.positive ? x > p.range.least : x >= p.range.least;
         if (!above || !(x <= p.range.most) || (p.whole && x != std::floor(x)))
             refuse(of + std::string(p.name) + " is out of its range");
@@ -128,6 +130,7 @@ std::string_view name_of_signal(std::int32_t signal) {
 }
 
 std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
+    if (fault == StateFault::no_state) return "the bytes are not a state";
     std::string text = "the state is " + std::string(name_of(fault));
     StateHeader found;
     if (StateHeader::read(from, found) == StateFault::none)

@@ -1,4 +1,4 @@
-// The fifteen dense variants in one arithmetic, RLSLAB_NATIVE: float or double.
+// The eighteen dense variants in one arithmetic, RLSLAB_NATIVE: float or double.
 #include <rlslab/catalogue/native/filter_of.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 

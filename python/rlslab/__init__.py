@@ -4,7 +4,15 @@
     f = rlslab.Ud(4, forgetting=0.99)             # or rlslab.filter("ud", 4, forgetting=0.99)
     step = f.update([1.0, 2.0, 0.5, 3.0], 0.7)    # Step(innovation, residual, gamma, health, signal)
     steps = f.update_many(Psi, y, steps=True)     # Psi (n, d); an array of steps
-    f.theta, f.gain, f.covariance
+    f.theta, f.gain, f.covariance                 # psi @ f.theta predicts y
+
+From a file to a filter that skips bad rows and mends its P:
+
+    data = np.genfromtxt("data.csv", delimiter=",", names=True)
+    Psi, y = np.column_stack([data["a"], data["b"]]), data["out"]
+    f = rlslab.compare(Psi, y, forgetting=0.99, digits=3).filter(guard="reset")
+    f.update_many(Psi, y)
+    f.save("out.state")                           # later: f = rlslab.load("out.state")
 
 `help(rlslab.Filter)` has the options, `help(rlslab.Ud)` the formulas of a variant. `variants()`, `arithmetics()`,
 `guards()` and `controls()` list the names. `rlslab.sklearn` has an estimator for scikit-learn.
@@ -18,6 +26,7 @@ These and `excitation`, `study`, `sweep` and `cite` run the program `rlslab`, `c
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 from . import _options, _variants
@@ -65,11 +74,31 @@ def arithmetics() -> tuple[str, ...]:
     return tuple(_options.ARITHMETICS)
 
 
-def load(path: Path) -> Filter:
-    """The filter whose state is in a file, written by `Filter.save`, by C++ or by C.
+def from_state(state: bytes) -> Filter:
+    """The filter that a state is of, written here, by C++ or by C; it goes on with the same bits.
 
-    Its options but dtype and size are defaults; the state brings its own forgetting. ValueError for a file that is no
-    state or is damaged, and for one with a window, guard or control: make that filter, then call its `load`.
+    Variant, dtype, size, window, guard and control are the state's, and so are forgetting and prior, until `reset`
+    starts with their defaults.
+
+    Raises
+    ------
+    ValueError
+        For bytes that are no state or are damaged, and for a state of what no filter here is.
+
+    Examples
+    --------
+    >>> f = rlslab.Ud(2, guard="reset", window=50)
+    >>> rlslab.from_state(f.state)
+    Ud(2, window=50, guard='reset')
+    """
+    variant, options = _options.saved(state)
+    out = CLASSES[variant](**options)
+    out.restore(state)
+    return out
+
+
+def load(path: Path) -> Filter:
+    """The filter whose state is in a file, written by `Filter.save`, by C++ or by C: see `from_state`.
 
     Examples
     --------
@@ -79,25 +108,17 @@ def load(path: Path) -> Filter:
     Ud(2)
     """
     with open(path, "rb") as file:
-        state = file.read()
-    if len(state) < 100:
-        raise ValueError(f"{path}: the state is cut short")
-    name, arithmetic = (state[a:b].rstrip(b"\0").decode("ascii", "replace") for a, b in ((40, 72), (72, 96)))
-    dtype = {v: k for k, v in _options.ARITHMETICS.items()}.get(arithmetic)
-    if state[:4] != b"\x89RLS" or dtype is None or name not in CLASSES:
-        raise ValueError(f"{path}: not the state of a filter of float or double, or one with something around it")
-    out = CLASSES[name](1, dtype=dtype)
-    size = int.from_bytes(state[24:28], "little")
-    if size != 1:    # so that damage to the size does not ask for its memory
-        if 4 * size * size > len(state):
-            raise ValueError(f"{path}: the state is damaged")
-        out = CLASSES[name](size, dtype=dtype)
-    out.restore(state)
-    return out
+        state = file.read(8)
+        if state[:4] == b"\x89RLS":    # what is no state may have no end
+            state += file.read()
+    try:
+        return from_state(state)
+    except ValueError as error:
+        raise ValueError(f"{os.fspath(path)!s}: {error}") from None
 
 
 __all__ = [
     "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certified", "Comparison", "Counts", "Excitation", "Filter", "Fleet",
     "Identification", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls", "excitation",
-    "filter", "guards", "identify", "load", "study", "sweep", "variants", *_variants.__all__,
+    "filter", "from_state", "guards", "identify", "load", "study", "sweep", "variants", *_variants.__all__,
 ]  # fmt: skip

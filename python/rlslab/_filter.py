@@ -1,4 +1,4 @@
-"""The filter of any variant: what its fifteen classes share."""
+"""The filter of any variant: what its eighteen classes share."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Any, Union
 
 import numpy as np
@@ -97,9 +98,12 @@ def identify(
     (['a1', 'a2', 'b0', 'c'], array([-1.5,  0.7,  1. ,  0. ]))
     >>> m.conf_int(0.01).shape, m.poles.round(2)
     ((4, 2), array([0.75+0.37j, 0.75-0.37j]))
+    >>> m.pvalues.round(3), bool((m.recursive_coefficients[-1] == m.params).all())
+    (array([0.   , 0.   , 0.   , 0.456]), True)
     """
     inputs: ArrayLike = np.empty((len(np.atleast_1d(np.asarray(y))), 0)) if u is None else u
     csv, names, output = _program.table(inputs, y, "u", "u")
+    record = _program.columns(y, "y")[0], _program.columns(inputs, "u")[0]    # copies
     listed = _program.several(regressors)
 
     def ask(level: float) -> _program.Answer:
@@ -129,7 +133,7 @@ def identify(
         )
         return _program.run(["identify", "-", *words], csv, ("model.json", "model.html"))
 
-    return Identification(ask, confidence, names)
+    return Identification(ask, confidence, names, record)
 
 
 def _each(given: Lags, name: str) -> list[int]:
@@ -147,6 +151,8 @@ class Identification:
         Of the parameters: a1, b0, b0[u2], c.
     params, bse, tvalues : ndarray, shape (d,)
         theta as the variant has it; its certified standard deviations; params / bse. NaN: not known.
+    pvalues : ndarray, shape (d,)
+        Two-sided probabilities of tvalues by Student's distribution: below alpha where `conf_int(alpha)` leaves out 0.
     scale, df_resid : float
         The noise's variance, and its degrees of freedom.
     nobs : int
@@ -171,9 +177,15 @@ class Identification:
         The page of HTML with all figures.
     """
 
-    def __init__(self, ask: Callable[[float], _program.Answer], confidence: float, inputs: list[str]) -> None:
+    def __init__(
+        self,
+        ask: Callable[[float], _program.Answer],
+        confidence: float,
+        inputs: list[str],
+        record: tuple[Floats, Floats],
+    ) -> None:
         answer = ask(confidence)
-        self._ask, self._confidence, self._inputs = ask, confidence, inputs
+        self._ask, self._confidence, self._inputs, self._record = ask, confidence, inputs, record
         self._text = answer.text.rpartition("\n\n")[0] + "\n"    # the last line names the folder
         self._all: Record = json.loads(answer.files["model.json"])
         self.page = answer.files["model.html"]
@@ -183,6 +195,7 @@ class Identification:
         self.bse = _column(of["parameters"], "sd")
         with np.errstate(divide="ignore", invalid="ignore"):
             self.tvalues: Floats = self.params / self.bse
+        self.pvalues = _numbers([p.get("p") for p in of["parameters"]])
         self.scale, self.df_resid = _known(of["sigma2"]), _known(of["degrees_of_freedom"])
         self.nobs: int = of["fitted"]
         self.equation: str = of["equation"]
@@ -247,6 +260,20 @@ class Identification:
         P0 = np.diag((prior["c"] / np.array(prior["scales"])) ** 2)
         made = {"forgetting": of["forgetting"], "prior_covariance": P0, **options}
         return make(of["variant"], len(self.names), **made)
+
+    @cached_property
+    def recursive_coefficients(self) -> Floats:
+        """theta after each fitted row, shape (nobs, d), from the prior on; the last one is params.
+
+        statsmodels has these, transposed, in recursive_coefficients.filtered.
+        """
+        Psi, y = self.rows(*self._record)
+        there = ~(np.isnan(Psi).any(axis=1) | np.isnan(y))
+        f, out = self.filter(), np.empty((self.nobs, len(self.names)))
+        for k, (psi, output) in enumerate(zip(Psi[there][: self.nobs], y[there])):
+            f.update(psi, float(output))
+            out[k] = f.theta
+        return out
 
     def plot(self, ax: Any = None) -> Any:
         """Parameters with their intervals. Returns the axes of matplotlib; ImportError without matplotlib."""

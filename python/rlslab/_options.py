@@ -29,7 +29,7 @@ def one_of(name: object, names: Sequence[str], what: str) -> str:
         raise TypeError(f"{what} is a name, not {type(name).__name__}")
     if name in names:
         return name
-    near = difflib.get_close_matches(name, names, 1)
+    near = difflib.get_close_matches(name.lower(), names, 1)
     hint = f'did you mean "{near[0]}"?' if near else "there are " + ", ".join(names)
     raise ValueError(f"no {what} {reprlib.repr(name)}; {hint}")
 
@@ -91,6 +91,26 @@ def guard_numbers(guard: str | None, options: Mapping[str, float] | None) -> tup
     numbers = np.array([real(given.get(n, math.nan), n) for n in GUARD_NUMBERS], dtype=np.float64)
     rows = [whole(given.get(n, 0), n) for n in GUARD_ROWS]
     return "" if guard is None else one_of(guard, _core.guards(), "guard"), numbers, rows[0], rows[1]
+
+
+def saved(state: bytes) -> tuple[str, dict[str, Any]]:
+    """Variant and options of the filter that a state is of, without defaults."""
+    variant, arithmetic, size, window, guard, control, numbers, of_guard, *rows = _core.saved(state)
+    dtype = next(name for name, called in ARITHMETICS.items() if called == arithmetic)
+
+    def short(number: float) -> float | None:
+        """As it was written, for a number of float32; None: the default."""
+        return None if math.isnan(number) else float(str(np.dtype(dtype).type(number)))
+
+    given = zip(GUARD_NUMBERS + GUARD_ROWS, [*map(short, of_guard), *(n or None for n in rows)])
+    options: dict[str, Any] = {
+        "dtype": dtype,
+        "window": window,
+        "guard": guard or None,
+        "guard_options": {name: value for name, value in given if value is not None} or None,
+        "control": (control, *map(short, numbers)) if numbers else control or None,
+    }
+    return variant, {"size": size, **options}
 
 
 def expect_memory(numbers: int) -> None:

@@ -77,7 +77,7 @@ def _child(command: list[str], data: str) -> Answer:
     except OSError as error:
         raise RuntimeError(f"{command[0]} does not run: {error.strerror}") from None
     said = done.stderr.decode("utf-8", "replace").strip()
-    lines = [re.sub(r"^\w+: ", "", line) for line in said.splitlines()]
+    lines = [re.sub(r"^\w+: (-: )?", "", line) for line in said.splitlines()]    # -: the data on its input
     if done.returncode == 2:
         raise ValueError(_in_python(lines[-1] if lines else "wrong input"))
     if done.returncode not in (0, 1):

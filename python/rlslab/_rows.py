@@ -19,6 +19,8 @@ def numbers(given: ArrayLike, name: str) -> Numbers:
         array: NDArray[Any] = np.asarray(given)
     except ValueError:
         raise ValueError(f"{name} is no table of numbers: its rows differ in length") from None
+    if array.dtype.names:
+        raise TypeError(f"{name} is a structured array: give np.column_stack of the columns that it is to have")
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} holds {array.dtype}, not real numbers")
     if array.dtype in (np.float32, np.float64) and array.dtype.isnative:

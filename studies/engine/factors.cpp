@@ -23,12 +23,15 @@ std::string texts(std::vector<Cell> const& values) {
     for (Cell const& value : values) out += (out.empty() ? "" : ", ") + as_text(value);
     return out;
 }
-/// "1 ... 40" for what counts.
+/// "1 ... 40" for what counts; of many values the first and the last.
 std::string range_of(std::vector<Cell> const& values) {
     bool counts = values.size() > 3;
     for (size_t i = 0; counts && i < values.size(); ++i)
         counts = std::holds_alternative<double>(values[i]) && std::get<double>(values[i]) == double(i + 1);
-    return counts ? fmt::format("1 ... {}", values.size()) : texts(values);
+    if (counts) return fmt::format("1 ... {}", values.size());
+    if (values.size() <= 12) return texts(values);
+    return fmt::format("{}, {} ... {} ({} values)", as_text(values[0]), as_text(values[1]), as_text(values.back()),
+                       values.size());
 }
 
 bool all_words(std::vector<Cell> const& values) {

@@ -8,17 +8,20 @@
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/carlson_delta.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/conventional_two_sided.hpp>
 #include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/information.hpp>
 #include <rlslab/variants/inverse_qr.hpp>
+#include <rlslab/variants/inverse_qr_delta.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
 #include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 
 #include <gtest/gtest.h>
 
@@ -57,8 +60,9 @@ void check_all() {
 }
 TEST(Look, ChangesNothingAndCommitsTheUpdate) {
     check_all<Conventional<double, 4>, ConventionalTwoSided<double, 4>, Symmetric<double>, Joseph<double, 4>,
-              JosephRankTwo<double, 4>, Potter<double, 4>, Carlson<double, 4>, Ud<double>, InverseQr<double, 4>,
-              Information<double, 4>, Qr<double, 4>, Gentleman<double, 4>>();
+              JosephRankTwo<double, 4>, Potter<double, 4>, Carlson<double, 4>, CarlsonDelta<double, 4>, Ud<double>,
+              UdDelta<double>, InverseQr<double, 4>, InverseQrDelta<double, 4>, Information<double, 4>, Qr<double, 4>,
+              Gentleman<double, 4>>();
     check_look<Ud<float, 4>>(0);
     check_look<Symmetric<Half, 4>>(0);
 }

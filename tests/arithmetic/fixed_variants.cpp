@@ -93,9 +93,10 @@ bool overflow_is_reported(std::vector<Said> const& said) {
 }
 TEST(Fixed, OverflowIsABreakdownThatTheStepReports) {
     for (Overflow const overflow : {Overflow::saturate, Overflow::wrap})
-        for_each(TypeList<Conventional<V>, ConventionalTwoSided<V>, Symmetric<V>, Joseph<V>, JosephRankTwo<V>,
-                          Kalman<V>, Potter<V>, Carlson<V>, Ud<V>, InverseQr<V>>{},
-                 [&]<class F>() { EXPECT_TRUE(overflow_is_reported(run_into_overflow<F>(overflow))) << F::name; });
+        for_each(
+            TypeList<Conventional<V>, ConventionalTwoSided<V>, Symmetric<V>, Joseph<V>, JosephRankTwo<V>, Kalman<V>,
+                     Potter<V>, Carlson<V>, CarlsonDelta<V>, Ud<V>, UdDelta<V>, InverseQr<V>, InverseQrDelta<V>>{},
+            [&]<class F>() { EXPECT_TRUE(overflow_is_reported(run_into_overflow<F>(overflow))) << F::name; });
     EXPECT_FALSE(overflow_is_reported(std::vector<Said>(30, {true, false})));
     EXPECT_FALSE(overflow_is_reported({{true, false}, {true, true}, {true, true}}));
     EXPECT_FALSE(overflow_is_reported({{false, false}, {false, true}, {false, true}}));

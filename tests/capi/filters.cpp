@@ -86,6 +86,13 @@ TEST(Filters, AreThoseOfTheNativeLayerAloneAndComposed) {
                 std::vector<std::byte> state(expected->state_size());
                 expected->save(state);
                 EXPECT_EQ(state_of(filter.get()), state);
+                rlslab_filter* alike = nullptr;
+                ASSERT_EQ(rlslab_from_state(state.data(), state.size(), &alike), RLSLAB_OK) << rlslab_message();
+                FilterHandle const found(alike), going_on = copy_of(filter.get());
+                EXPECT_EQ(state_of(alike), state);
+                for (rlslab_filter* f : {alike, going_on.get()})
+                    rlslab_update_many(f, psi.data(), rows, 0, y.data(), nullptr);
+                EXPECT_EQ(state_of(alike), state_of(going_on.get()));
                 EXPECT_EQ(rlslab_health(filter.get()), expected->health());
                 EXPECT_EQ(rlslab_signal(filter.get()), expected->signal());
                 rlslab_counts counts;
@@ -143,9 +150,7 @@ TEST(Filters, ACopyGoesOnAloneAndAResetBeginsAnew) {
     FilterHandle const filter = filter_of("carlson", "float", options_of(d, 0.97));
     std::vector<std::byte> const start = state_of(filter.get());
     rlslab_update_many(filter.get(), psi.data(), 60, d, y.data(), nullptr);
-    rlslab_filter* other = nullptr;
-    ASSERT_EQ(rlslab_copy(filter.get(), &other), RLSLAB_OK);
-    FilterHandle const copy(other);
+    FilterHandle const copy = copy_of(filter.get());
     std::vector<std::byte> const half = state_of(filter.get());
     EXPECT_EQ(state_of(copy.get()), half);
     rlslab_update_many(filter.get(), &psi[60 * d], 60, d, &y[60], nullptr);

@@ -31,6 +31,11 @@ inline FilterHandle filter_of(char const* variant, char const* arithmetic, rlsla
     rlslab_new(variant, arithmetic, &options, &out);
     return FilterHandle(out);
 }
+inline FilterHandle copy_of(rlslab_filter const* filter) {
+    rlslab_filter* out = nullptr;
+    rlslab_copy(filter, &out);
+    return FilterHandle(out);
+}
 inline std::vector<std::string> names(rlslab_list list) {
     std::vector<std::string> out;
     while (char const* name = rlslab_name(list, out.size())) out.push_back(name);

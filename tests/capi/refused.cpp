@@ -73,7 +73,9 @@ TEST(Refused, NullPointers) {
                                        rlslab_save(nullptr, bytes, 1),
                                        rlslab_save(f, nullptr, 1),
                                        rlslab_load(nullptr, bytes, 1),
-                                       rlslab_load(f, nullptr, 1)}) {
+                                       rlslab_load(f, nullptr, 1),
+                                       rlslab_from_state(bytes, 1, nullptr),
+                                       rlslab_from_state(nullptr, 1, &out)}) {
         EXPECT_EQ(status, RLSLAB_NULL);
         expect_message("is null");
     }
@@ -280,14 +282,18 @@ TEST(Refused, StatesThatAreNone) {
     expect_message(std::to_string(state.size()));
     std::vector<std::byte> large(state.size() + 9);
     EXPECT_EQ(rlslab_save(filter.get(), large.data(), large.size()), RLSLAB_OK);
+    rlslab_filter* none = filter.get();
     for (std::size_t length = 0; length < state.size(); ++length) {
         std::vector<std::byte> const part(state.begin(), state.begin() + long(length));
         EXPECT_EQ(rlslab_load(filter.get(), state.data(), length), RLSLAB_STATE) << length;
+        EXPECT_EQ(rlslab_from_state(state.data(), length, &none), RLSLAB_STATE) << length;
     }
     for (std::size_t at = 0; at < 8; ++at) {
         std::vector<std::byte> damaged = state;
         damaged[at] ^= std::byte(255);
         EXPECT_EQ(rlslab_load(filter.get(), damaged.data(), damaged.size()), RLSLAB_STATE) << at;
+        EXPECT_EQ(rlslab_from_state(damaged.data(), damaged.size(), &none), RLSLAB_STATE) << at;
+        EXPECT_EQ(none, nullptr);
     }
     for (auto const& [variant, arithmetic, size] :
          {std::tuple("ud", "float", 2), std::tuple("ud", "double", 3), std::tuple("carlson", "double", 2)}) {

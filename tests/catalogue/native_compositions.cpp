@@ -50,6 +50,7 @@ void expect_alike(F typed, std::unique_ptr<Filter> filter) {
     using T = typename F::scalar;
     F const start = typed;
     auto const fresh = filter->clone();
+    std::unique_ptr<Filter> found;  // from the state alone
     std::vector<double> theta(d), gain(d);
     for (Index k = 0; k < records().rows(); ++k) {
         Vector<T> const psi = records().psi.col(k).cast<T>();
@@ -58,6 +59,10 @@ void expect_alike(F typed, std::unique_ptr<Filter> filter) {
         ASSERT_EQ(std::int32_t(a.health), b.health) << k;
         ASSERT_TRUE(double(a.gamma) == b.gamma || a.gamma != a.gamma) << k;
         ASSERT_EQ(state_bytes_of(typed), state_bytes_of(*filter)) << k;
+        if (found) {
+            found->update(psi.data(), T(records().y[k]));
+            ASSERT_EQ(state_bytes_of(*found), state_bytes_of(*filter)) << k;
+        }
         filter->theta(theta.data());
         filter->gain(gain.data());
         Vector<T> const theirs = typed.theta(), K = typed.gain();
@@ -78,6 +83,9 @@ void expect_alike(F typed, std::unique_ptr<Filter> filter) {
             ASSERT_EQ(state_bytes_of(other), state);
             ASSERT_EQ(state_bytes_of(*another), state);
             filter = another->clone();
+            found = native::from_state(state);
+            ASSERT_EQ(state_bytes_of(*found), state);
+            ASSERT_EQ(found->variant(), filter->variant());
         }
     }
     if constexpr (requires { typed.counts(); }) {
@@ -301,6 +309,64 @@ TEST(NativeCompositions, FleetsOfWhatHasNoneAreRefused) {
     EXPECT_THAT(refused("u", 9, {.size = 2}), HasSubstr("no variant"));
     for (std::string_view const variant : native::variants())
         EXPECT_EQ(refused(variant, 9, {.size = 2}).empty(), variant != "qr_block") << variant;
+}
+
+std::string refusal_of_state(std::span<std::byte const> state) {
+    try {
+        native::from_state(state);
+    } catch (std::invalid_argument const& error) {
+        return error.what();
+    }
+    return "";
+}
+TEST(NativeFromState, WhatHasNoNameIsRefusedInOneLine) {
+    constexpr GuardPolicy unnamed{Action::skip, Action::report, Action::report, Action::report};
+    Problem<double> const p{.size = 2};
+    EXPECT_THAT(refusal_of_state({}), HasSubstr("not a state"));
+    EXPECT_THAT(refusal_of_state(state_of(Ud<Quad>({.size = 2}))), HasSubstr("ud in binary128"));
+    EXPECT_THAT(refusal_of_state(state_of(Assessed<Ud<double>>(p))), HasSubstr("\"assessed\" around ud"));
+    EXPECT_THAT(refusal_of_state(state_of(Guarded<Ud<double>, unnamed>(p))), HasSubstr("policy has no name"));
+    EXPECT_THAT(refusal_of_state(state_of(Guarded<Guarded<Ud<double>>>(p))), HasSubstr("other options"));
+    EXPECT_THAT(refusal_of_state(state_of(Forgetting<Ud<double>, RotatingRidge<double>>(p, {.toward_zero = true}))),
+                HasSubstr("other options"));
+    EXPECT_THAT(refusal_of_state(state_of(Windowed<Ud<double>>(p, {.rows = 9, .worse = 3}))),
+                HasSubstr("other options"));
+    EXPECT_THAT(refusal_of_state(state_of(Windowed<Forgetting<Ud<double>, Kulhavy<double>>>(p, {.rows = 9}))), "");
+    EXPECT_THAT(refusal_of_state(state_of(Fleet<Ud, double, 4>(3, p))), HasSubstr("fleet"));
+}
+TEST(NativeFromState, AWalkOfKalmansOwnIsAmongItsNumbers) {
+    double const variance[] = {0.25}, psi[] = {1, 2};
+    auto const filter =
+        native::make("kalman", "double", {.size = 2, .control = "random_walk", .control_numbers = variance});
+    filter->update(psi, 1.0);
+    auto const found = native::from_state(state_bytes_of(*filter));
+    filter->update(psi, 2.0);
+    found->update(psi, 2.0);
+    EXPECT_EQ(state_bytes_of(*found), state_bytes_of(*filter));
+}
+/// Whatever a byte of header and entries is changed to, with the checksum made right: a filter, or one line.
+TEST(NativeFromState, ForgedBytesAskForNoMemory) {
+    double const number[] = {0.9};
+    for (Options const& options :
+         {Options{.size = 2, .window = 9, .guard = "reset"},
+          Options{.size = 2, .guard = "rebuild", .control = "kulhavy", .control_numbers = number},
+          Options{.size = 2, .guard = "hand_over"}}) {
+        std::vector<std::byte> const whole = state_bytes_of(*native::make("ud", "float", options));
+        StateHeader header;
+        ASSERT_EQ(StateHeader::read(whole, header), StateFault::none);
+        std::size_t const first = StateHeader::size + entries_in(header, whole).size();
+        for (std::size_t at = 8; at < first; ++at)
+            for (int const change : {1, 0x40, 0x80, 0xff}) {
+                std::vector<std::byte> forged = whole;
+                forged[at] ^= std::byte(change);
+                Checksum sum;
+                sum.add(std::span(forged).first(forged.size() - StateHeader::checksum));
+                detail::write_low(sum.value(), StateHeader::checksum,
+                                  forged.data() + forged.size() - StateHeader::checksum);
+                std::string const why = refusal_of_state(forged);
+                EXPECT_EQ(why.find('\n'), std::string::npos);
+            }
+    }
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ int main() {
     bool const found = finds_the_line<Conventional>() && finds_the_line<ConventionalTwoSided>() &&
                        finds_the_line<Symmetric>() && finds_the_line<Joseph>() && finds_the_line<JosephRankTwo>() &&
                        finds_the_line<Potter>() && finds_the_line<Carlson>() && finds_the_line<Ud>() &&
-                       finds_the_line<InverseQr>() && finds_the_line<Kalman>() && finds_the_line<Information>() &&
+                       finds_the_line<InverseQr>() && finds_the_line<CarlsonDelta>() && finds_the_line<UdDelta>() &&
+                       finds_the_line<InverseQrDelta>() && finds_the_line<Kalman>() && finds_the_line<Information>() &&
                        finds_the_line<Qr>() && finds_the_line<Gentleman>() && finds_the_line<ExtendedQr>() &&
                        finds_the_line<QrBlock>();
     return found ? 0 : 1;

@@ -53,8 +53,11 @@ TEST(FixedSize, ImpliesTheProblems) {
     check_priors<JosephRankTwo>();
     check_priors<Potter>();
     check_priors<Carlson>();
+    check_priors<CarlsonDelta>();
     check_priors<Ud>();
+    check_priors<UdDelta>();
     check_priors<InverseQr>();
+    check_priors<InverseQrDelta>();
     check_priors<Kalman>();
     check_priors<Information>();
     check_priors<Qr>();

@@ -135,11 +135,12 @@ std::vector<Folder> const house{
     {"studies/forgetting", {"studies/engine"}},
     {"studies/adapt", {"studies/engine"}},
     {"studies/fast", {"studies/engine", "fast"}},
-    {"studies/published", {"studies/engine"}},
+    {"studies/published", {"studies/engine", "compare"}},
     {"studies/theory", {"studies/engine"}},
     {"capi", {"catalogue/native"}},
     {"bench", {"catalogue", "report", "capi", "fast"}},
     {"program", {"compare", "identify", "studies/engine"}},
+    {"site/live", {"catalogue"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"catalogue"}},
     {"tests/consumer", {"catalogue"}},
@@ -181,6 +182,7 @@ std::vector<Folder> const house{
     {"tests/capi", {"tests/common", "capi"}},
     {"tests/doors", {"src/rlslab/state", "variants"}},
     {"tests/house", {"tests/common"}},
+    {"tests/live", {"tests/common", "site/live"}},
     {"tests/alone", {"tests/common", "capi", "fast"}},
 };
 

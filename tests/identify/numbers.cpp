@@ -110,6 +110,8 @@ TEST_F(IdentifyNumbers, ParametersAndTheirIntervals) {
         EXPECT_NEAR(p.sd / sd, 1, 1e-12);
         EXPECT_NEAR(exact_fit::student_inside(N - d, (p.upper - p.value) / sd), 0.9, 1e-9);
         EXPECT_NEAR(exact_fit::student_inside(N - d, (p.value - p.lower) / sd), 0.9, 1e-9);
+        EXPECT_NEAR(1 - exact_fit::student_inside(N - d, std::abs(p.value) / sd), p.p, 1e-12);
+        EXPECT_EQ(p.p<0.1, p.value * p.lower> 0 && p.value * p.upper > 0);
     }
 }
 TEST_F(IdentifyNumbers, CriteriaDigitsAndCondition) {

@@ -124,7 +124,8 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
                                               {"value", p.value},
                                               {"sd", p.sd},
                                               {"low", p.lower},
-                                              {"high", p.upper}}));
+                                              {"high", p.upper},
+                                              {"p", p.p}}));
     }
     for (size_t i = 0; i < m.choice.fits.size(); ++i) {
         OrderFit const& f = m.choice.fits[i];

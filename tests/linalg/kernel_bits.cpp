@@ -215,6 +215,14 @@ void each_sweep(Check check_sweep) {
         for (T& c : o.v[1]) c = std::abs(c);  // as cosines are here
         return SweepRotations<T>{over(o), o.v[1].data(), o.v[2].data(), o.scalar};
     };
+    auto const carlson_delta = [=](O& o) {
+        return SweepCarlsonDelta<T>{over(o), o.v[1].data(), o.v[2].data(), o.v[3].data(), o.v[4].data()};
+    };
+    auto const rotations_delta = [=](O& o) {
+        for (T& c : o.v[1]) c = std::abs(c);
+        return SweepRotationsDelta<T>{over(o),       o.v[1].data(), o.v[2].data(),
+                                      o.v[3].data(), o.v[4].data(), o.v[5].data()};
+    };
     auto const multiplied = [](auto make) {
         return [=](O& o) { return ThenMultiply<decltype(make(o))>{make(o), o.v[4].data(), o.v[5].data()}; };
     };
@@ -232,6 +240,8 @@ void each_sweep(Check check_sweep) {
     check_sweep("SweepCarlson and the product", Part::upper, multiplied(carlson));
     check_sweep("SweepRotations", Part::upper, rotations);
     check_sweep("SweepRotations and the product", Part::upper, multiplied(rotations));
+    check_sweep("SweepCarlsonDelta", Part::upper, carlson_delta);
+    check_sweep("SweepRotationsDelta", Part::upper, rotations_delta);
 }
 TYPED_TEST(KernelBits, OfSweepsAreTheSame) {
     each_sweep<TypeParam>([](char const* name, Part part, auto make) { check<TypeParam>(name, part, make); });

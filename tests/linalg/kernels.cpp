@@ -113,8 +113,11 @@ TYPED_TEST(Kernels, GiveJosephOneResult) { check_all<TypeParam, Joseph>(64); }
 TYPED_TEST(Kernels, GiveJosephRankTwoOneResult) { check_all<TypeParam, JosephRankTwo>(); }
 TYPED_TEST(Kernels, GivePotterOneResult) { check_all<TypeParam, Potter>(); }
 TYPED_TEST(Kernels, GiveCarlsonOneResult) { check_all<TypeParam, Carlson>(); }
+TYPED_TEST(Kernels, GiveCarlsonDeltaOneResult) { check_all<TypeParam, CarlsonDelta>(); }
 TYPED_TEST(Kernels, GiveUdOneResult) { check_all<TypeParam, Ud>(); }
+TYPED_TEST(Kernels, GiveUdDeltaOneResult) { check_all<TypeParam, UdDelta>(); }
 TYPED_TEST(Kernels, GiveInverseQrOneResult) { check_all<TypeParam, InverseQr>(); }
+TYPED_TEST(Kernels, GiveInverseQrDeltaOneResult) { check_all<TypeParam, InverseQrDelta>(); }
 TYPED_TEST(Kernels, GiveKalmanOneResult) { check_all<TypeParam, Kalman>(); }
 TYPED_TEST(Kernels, GiveInformationOneResult) { check_all<TypeParam, Information>(64); }
 TYPED_TEST(Kernels, GiveQrOneResult) { check_all<TypeParam, Qr>(); }

@@ -104,6 +104,8 @@ TEST(RowsAtOnce, LeaveSymmetricTheBitsOfSingleRowsInDouble) { check<Symmetric, d
 TEST(RowsAtOnce, LeaveSymmetricTheBitsOfSingleRowsInFloat) { check<Symmetric, float>(); }
 TEST(RowsAtOnce, LeaveUdTheBitsOfSingleRowsInDouble) { check<Ud, double>(); }
 TEST(RowsAtOnce, LeaveUdTheBitsOfSingleRowsInFloat) { check<Ud, float>(); }
+TEST(RowsAtOnce, LeaveUdDeltaTheBitsOfSingleRowsInDouble) { check<UdDelta, double>(); }
+TEST(RowsAtOnce, LeaveUdDeltaTheBitsOfSingleRowsInFloat) { check<UdDelta, float>(); }
 TEST(RowsAtOnce, LeaveCarlsonTheBitsOfSingleRowsInDouble) { check<Carlson, double>(); }
 TEST(RowsAtOnce, LeaveCarlsonTheBitsOfSingleRowsInFloat) { check<Carlson, float>(); }
 TEST(RowsAtOnce, LeaveInverseQrTheBitsOfSingleRowsInDouble) { check<InverseQr, double>(); }

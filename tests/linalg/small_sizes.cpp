@@ -3,11 +3,14 @@
 #include "tests/linalg/known_rows.hpp"
 
 #include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/carlson_delta.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/inverse_qr.hpp>
+#include <rlslab/variants/inverse_qr_delta.hpp>
 #include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 
 #include <gtest/gtest.h>
 
@@ -61,9 +64,12 @@ void check() {
 TEST(SmallSizes, OfConventionalLeaveTheBitsOfDynamicSize) { check<Conventional>(); }
 TEST(SmallSizes, OfSymmetricLeaveTheBitsOfDynamicSize) { check<Symmetric>(); }
 TEST(SmallSizes, OfUdLeaveTheBitsOfDynamicSize) { check<Ud>(); }
+TEST(SmallSizes, OfUdDeltaLeaveTheBitsOfDynamicSize) { check<UdDelta>(); }
 TEST(SmallSizes, OfPotterLeaveTheBitsOfDynamicSize) { check<Potter>(); }
 TEST(SmallSizes, OfCarlsonLeaveTheBitsOfDynamicSize) { check<Carlson>(); }
+TEST(SmallSizes, OfCarlsonDeltaLeaveTheBitsOfDynamicSize) { check<CarlsonDelta>(); }
 TEST(SmallSizes, OfInverseQrLeaveTheBitsOfDynamicSize) { check<InverseQr>(); }
+TEST(SmallSizes, OfInverseQrDeltaLeaveTheBitsOfDynamicSize) { check<InverseQrDelta>(); }
 
 }  // namespace
 }  // namespace rlslab

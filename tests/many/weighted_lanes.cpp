@@ -1,5 +1,5 @@
 // Weights in packs: each lane has the bits of Weighted around the scalar variant.
-#include "tests/common/laws.hpp"
+#include "tests/many/lanes.hpp"
 
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/many/fleet.hpp>
@@ -10,10 +10,7 @@
 namespace rlslab {
 namespace {
 
-template <class T>
-bool same(T const& a, T const& b) {
-    return laws::identical(Reference(a), Reference(b));
-}
+using lanes::same;
 
 template <template <class, int> class V, class T, int L, int N>
 void expect_each_lane_to_be_weighted_alone(std::uint64_t from) {

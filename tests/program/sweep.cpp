@@ -41,9 +41,9 @@ TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
     auto const rows = cells_of(read(folder / "sweep/sweep.csv"));
     std::map<std::string, int> count;
     for (auto const& row : rows) ++count[row.at("arithmetic") + ' ' + row.at("forgetting")];
-    // Fifteen dense variants; three orders of rows where forgetting = 1.
+    // Eighteen dense variants; three orders of rows where forgetting = 1.
     EXPECT_EQ(count,
-              (std::map<std::string, int>{{"float 0.96875", 15}, {"float 1", 45}, {"p11 0.96875", 15}, {"p11 1", 45}}));
+              (std::map<std::string, int>{{"float 0.96875", 18}, {"float 1", 54}, {"p11 0.96875", 18}, {"p11 1", 54}}));
     json const compared = json::parse(
         shell("rlslab compare " + record + "--forgetting 0.96875 --arithmetic float,p11 --json --no-timings").out);
     int checked = 0;
@@ -55,7 +55,7 @@ TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
                 EXPECT_EQ(std::stod(row.at("P")), result.at("spread").at("covariance").at("median").get<double>());
                 ++checked;
             }
-    EXPECT_EQ(checked, 30);
+    EXPECT_EQ(checked, 36);
     EXPECT_THAT(read(folder / "sweep/sweep.csv"), HasSubstr("# command: rlslab sweep ok.csv --input u"));
     EXPECT_THAT(read(folder / "sweep/report.html"), HasSubstr("sha256"));
     EXPECT_FALSE(fs::is_empty(folder / "sweep/figures"));
@@ -119,6 +119,10 @@ TEST_F(Program, RefusesPartsOfTwoSweepsInOneFolder) {
     refused("merge shared --out merged", "expected studies, budget and seed as rlslab study --part writes them");
     ASSERT_EQ(shell("rlslab " + sweep).code, 0);
     EXPECT_EQ(shell("rlslab " + sweep + "--vary prior=1,2 --part 1/2").code, 0);  // the other is finished
+    refused("study gain_identities --out shared",
+            "--out shared: holds what rlslab sweep made (sweep.csv); expected an");
+    ASSERT_EQ(shell("rlslab study gain_identities --out studies --quiet").code, 0);
+    refused("sweep ok.csv --input u --output y --out studies", "--out studies: holds what rlslab study made");
 }
 TEST_F(Program, WarnsInASweepOfAColumnThatCounts) {
     write("counts.csv", "u,y\n" + rows(40, [](int k) { return std::to_string(k); }));

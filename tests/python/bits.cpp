@@ -1,11 +1,19 @@
 // What every variant leaves after 1000 rows that each language can make exactly, from the C++ types: one line a variant
 // and arithmetic, a hash of theta, K and P or its inverse. tests/python/test_bits.py has the rows in Python.
+// `bits FOLDER`: states of compositions after 100 rows, and a hash of theta after 200.
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/rules.hpp>
+#include <rlslab/adapt/window.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <bit>
 #include <cinttypes>
 #include <cstdio>
+#include <fstream>
 #include <limits>
+#include <string>
 
 namespace rlslab {
 namespace {
@@ -32,13 +40,12 @@ struct Hash {
     }
 };
 
+constexpr Index d = 5;
+
 template <class F>
-void print_hash() {
+void take(F& filter, int rows, Numbers& numbers) {
     using T = typename F::scalar;
-    constexpr Index d = 5;
-    F filter(Problem<T>{.size = d, .forgetting = T(0.99)});
-    Numbers numbers;
-    for (int k = 0; k < 1000; ++k) {
+    for (int k = 0; k < rows; ++k) {
         double row[d];
         for (double& x : row) x = numbers.next();
         double const y = row[0] - row[1] / 2 + numbers.next() / 1024;
@@ -46,6 +53,18 @@ void print_hash() {
         for (Index i = 0; i < d; ++i) psi[i] = T(row[i]);
         filter.update(psi, T(y));
     }
+}
+template <class T>
+Problem<T> problem() {
+    return {.size = d, .forgetting = T(0.99)};
+}
+
+template <class F>
+void print_hash() {
+    using T = typename F::scalar;
+    F filter(problem<T>());
+    Numbers numbers;
+    take(filter, 1000, numbers);
     Hash hash;
     hash.add(Vector<T>(filter.theta()));
     hash.add(Vector<T>(filter.gain()));
@@ -54,11 +73,36 @@ void print_hash() {
     std::printf("%s %s %016" PRIx64 "\n", F::name.data(), ArithmeticTraits<T>::name.data(), hash.value);
 }
 
+template <class F>
+void save_half_way(F filter, std::string const& folder, char const* name) {
+    using T = typename F::scalar;
+    Numbers numbers;
+    take(filter, 100, numbers);
+    auto const state = state_of(filter);
+    std::ofstream(folder + "/" + name, std::ios::binary)
+        .write(reinterpret_cast<char const*>(state.data()), std::streamsize(state.size()));
+    take(filter, 100, numbers);
+    Hash hash;
+    hash.add(Vector<T>(filter.theta()));
+    std::printf("%s %016" PRIx64 "\n", name, hash.value);
+}
+
 }  // namespace
 }  // namespace rlslab
 
-int main() {
+int main(int count, char** words) {
     using namespace rlslab;
+    if (count > 1) {
+        using D = double;
+        auto const f = problem<float>();
+        auto const p = problem<D>();
+        save_half_way(Guarded<Windowed<Ud<float>>>(Windowed<Ud<float>>(f, {.rows = 30}), f), words[1], "windowed");
+        save_half_way(Guarded<Forgetting<Carlson<D>, Kulhavy<D>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
+                      words[1], "ruled");
+        save_half_way(Guarded<Relay<Ud<float>, Ud<D>>, handing_over>(f), words[1], "relay");
+        save_half_way(Forgetting<Qr<D>, Fortescue<D>>(p, {.noise_variance = 1e-6}), words[1], "fortescue");
+        return 0;
+    }
     for_each(Variants<float>{}, []<class F>() { print_hash<F>(); });
     for_each(Variants<double>{}, []<class F>() { print_hash<F>(); });
 }

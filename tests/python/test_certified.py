@@ -2,7 +2,11 @@
 
 import itertools
 import math
+import signal
+import subprocess
+import sys
 import threading
+import time
 from fractions import Fraction
 
 import numpy as np
@@ -144,6 +148,54 @@ def test_threads():
     for thread in threads:
         thread.join()
     assert all(found[i] == rlslab.certified(X[: 50 + i], y[: 50 + i], forgetting=0.99).theta for i in range(8))
+
+
+LONG = """
+import numpy as np, rlslab
+X = np.random.default_rng(1).standard_normal((10**5, 40))
+print("started", flush=True)
+rlslab.certified(X, X @ np.ones(40), forgetting=0.99, digits=10000)
+"""
+
+
+def test_an_interrupt_ends_it():
+    """Alone it takes ten minutes."""
+    with subprocess.Popen([sys.executable, "-c", LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        try:
+            assert child.stdout.readline() == b"started\n"
+            time.sleep(1)
+            child.send_signal(signal.SIGINT)
+            _, said = child.communicate(timeout=100)
+        finally:
+            child.kill()
+    assert said.splitlines()[-1] == b"KeyboardInterrupt" and child.returncode != 0
+
+
+def test_handlers_of_signals_run_meanwhile():
+    """Without changing a number. After the call a handler would run once, on the line that made it."""
+    X, y = rows(10**4, 12)
+    at = []
+
+    def handle(_, frame):
+        if frame.f_code is rlslab.certified.__code__:
+            at.append(frame.f_lineno)
+        if at == [frame.f_lineno]:
+            assert rlslab.certified(X[:20], y[:20]).rows == 20
+
+    before = signal.signal(signal.SIGALRM, handle)
+    signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
+    try:
+        n = most = 0
+        while most < 4 and n < len(X):
+            n += 500
+            at.clear()
+            found = rlslab.certified(X[:n], y[:n], forgetting=0.99, digits=10000)
+            most = max(map(at.count, at), default=0)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert most >= 4
+    assert found.theta == rlslab.certified(X[:n], y[:n], forgetting=0.99, digits=10000).theta
 
 
 def test_without_the_extension(monkeypatch):

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import zlib
 
 import numpy as np
 import pytest
@@ -194,6 +195,47 @@ def test_damaged_states_and_pickles(variant, dtype, flips, cut):
             remade(*given)
         except (*ERRORS, MemoryError) as error:
             one_line(error)
+
+
+composed = st.sampled_from([
+    {}, {"guard": "reset", "window": 9}, {"guard": "hand_over"}, {"control": ("kulhavy", 0.9), "guard": "report"},
+    {"guard": "rebuild", "guard_options": {"rebuild_rows": 3, "innovation": 4.5}}, {"control": "ridge"},
+])    # fmt: skip
+
+
+@given(st.sampled_from(["ud", "qr", "carlson"]), dtypes, composed, changes, st.integers(-9, 9), st.booleans())
+def test_damaged_states_of_no_filter_yet(variant, dtype, options, flips, cut, forged):
+    """A line, or a filter with that state; also where the checksum was made right."""
+    try:
+        f = rlslab.filter(variant, 2, dtype=dtype, **options)
+    except ValueError:
+        return
+    f.update_many(np.ones((4, 2)), np.ones(4))
+    whole = f.state
+    damaged = bytearray(whole)
+    for place, change in flips:
+        damaged[place % len(damaged)] ^= change
+    damaged = damaged[:cut] if cut < 0 else damaged + b"\0" * cut
+    if forged:
+        damaged[32:40] = len(damaged).to_bytes(8, "little")
+        damaged[-4:] = zlib.crc32(damaged[:-4]).to_bytes(4, "little")
+    try:
+        found = rlslab.from_state(bytes(damaged))
+    except ERRORS as error:
+        one_line(error)
+        assert damaged != whole
+    else:
+        assert rlslab.from_state(found.state).state == found.state
+        assert forged or found.state == damaged == whole    # counts that are forged are not looked at
+        assert found.update([1.0, 2.0], 3.0).health in rlslab.HEALTHS
+        assert type(found)(**found.options).dtype == found.dtype
+
+
+@given(st.binary(max_size=300) | st.binary(max_size=300).map(lambda b: b"\x89RLS\r\n\x1a\n" + b) | anything)
+def test_no_states(given):
+    with pytest.raises((*ERRORS, BufferError)) as caught:
+        rlslab.from_state(given)
+    one_line(caught.value)
 
 
 @given(sizes, dtypes, st.lists(st.tuples(st.integers(0, 8), floats), max_size=25), st.booleans())

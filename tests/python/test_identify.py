@@ -24,6 +24,12 @@ def record(n=400, seed=3, inputs=1):
     return y, u[:, 0] if inputs == 1 else u
 
 
+def simpson(f, a, b=np.pi / 2, n=20000):
+    x = np.linspace(a, b, 2 * n + 1)
+    weights = np.r_[1, np.tile([4, 2], n)[:-1], 1]
+    return (b - a) / (6 * n) * (weights @ f(x))
+
+
 def asked(path, *words):
     done = subprocess.run(
         [_program.path(), "identify", str(path), "--json", "--no-timings", *words], capture_output=True, text=True
@@ -60,6 +66,16 @@ def test_the_words_of_statsmodels():
     assert (half[0] > half[1]).all() and (half[1] > half[2]).all()
     # Student's quantile at so many degrees of freedom is nearly the normal's.
     assert np.allclose(half[1] / m.bse, 1.97, atol=0.01) and np.allclose(half[0] / m.bse, 3.33, atol=0.03)
+    # P(|T| >= t) = 2 integral of cos^(nu - 1) beyond atan(t / sqrt nu), over that from 0 on: by Simpson's rule.
+    nu = m.df_resid
+    for t, p in zip(m.tvalues, m.pvalues):
+        tail, whole = (simpson(lambda x: np.cos(x) ** (nu - 1), a) for a in (np.arctan(abs(t) / np.sqrt(nu)), 0.0))
+        assert abs(p - tail / whole) < 1e-9
+    alpha = m.pvalues[4]    # of the constant: neither 0 nor 1
+    assert 0.01 < alpha < 0.99
+    for change, leaves_out_0 in ((1e-3, True), (-1e-3, False)):
+        low, high = m.conf_int(alpha + change)[4]
+        assert (low * high > 0) == leaves_out_0
     refuses(lambda: m.conf_int(0))
     refuses(lambda: m.conf_int(2))
     assert abs(m.scale - 0.01) < 0.002 and abs(m.df_resid - (m.nobs - 5)) < 1e-6
@@ -90,6 +106,8 @@ def test_a_running_filter(options):
     f = m.filter()
     f.update_many(Psi[: m.nobs], outputs[: m.nobs])
     assert same(f.theta, m.params)
+    assert m.recursive_coefficients.shape == (m.nobs, len(m.names))
+    assert same(m.recursive_coefficients[-1], m.params)
     f.update_many(Psi[m.nobs :], outputs[m.nobs :])
     assert not same(f.theta, m.params) and f.health == "sound"
     assert m.filter(forgetting=0.9)._made["forgetting"] == 0.9
@@ -106,6 +124,40 @@ def test_constancy():
     assert np.allclose(m.resid_recursive, r.resid_recursive[n:], rtol=1e-9, atol=1e-12)
     assert np.allclose(m.cusum_squares, r.cusum_squares, rtol=1e-9)
     assert np.allclose(m.cusum, r.cusum, rtol=0.01)    # another estimate of the deviation
+
+
+def test_recursive_coefficients():
+    """Each is the least-squares solution of the rows so far, with the prior; rows that miss a value are none."""
+    y, u = record(inputs=2)
+    y[60] = u[9, 0] = np.nan
+    m = rlslab.identify(y, u, order=2, forgetting=0.98)
+    kept = m.recursive_coefficients
+    assert kept is m.recursive_coefficients and len(kept) == m.nobs
+    Psi, outputs = m.rows(y, u)
+    there = ~(np.isnan(Psi).any(axis=1) | np.isnan(outputs))
+    Psi, outputs = Psi[there], outputs[there]
+    scales, c = np.array(m.to_dict()["prior"]["scales"]), m.to_dict()["prior"]["c"]
+    for k in (20, 100, m.nobs):
+        w = 0.98 ** np.arange(k - 1, -1, -1.0)
+        M = (Psi[:k].T * w) @ Psi[:k] + 0.98**k * np.diag((scales / c) ** 2)
+        assert np.allclose(kept[k - 1], np.linalg.solve(M, (Psi[:k].T * w) @ outputs[:k]), rtol=1e-7, atol=1e-9)
+    assert same(kept[-1], m.params)
+    y[:] = 0    # the record may change
+    assert same(rlslab.Identification.recursive_coefficients.func(m), kept)
+
+
+def test_against_statsmodels():
+    """Where there is neither prior nor forgetting to speak of, they are statsmodels', transposed."""
+    statsmodels = pytest.importorskip("statsmodels.api")
+    y, u = record()
+    m = rlslab.identify(y, u, order=2, prior_variance=1e12)
+    Psi, outputs = m.rows(y, u)
+    theirs = statsmodels.RecursiveLS(outputs[: m.nobs], Psi[: m.nobs]).fit()
+    assert theirs.recursive_coefficients.filtered.shape == m.recursive_coefficients.T.shape
+    assert np.allclose(theirs.recursive_coefficients.filtered[:, 20:].T, m.recursive_coefficients[20:], atol=1e-5)
+    assert np.allclose(theirs.params, m.params, atol=1e-6) and np.allclose(theirs.tvalues, m.tvalues, rtol=1e-4)
+    # statsmodels takes the normal distribution, here nearly Student's
+    assert np.allclose(theirs.pvalues, m.pvalues, atol=0.005)
 
 
 def test_a_series_alone_and_missing_values():

@@ -31,6 +31,8 @@ c: rlslab.Comparison = rlslab.compare(np.zeros((3, 4)), [1, 2, 3], digits=3, ari
 again: rlslab.Filter = c.filter(guard="reset")
 names: list[str] = [str(record["variant"]) for record in c.records] + c.warnings
 m = rlslab.identify(np.zeros(9), np.zeros((9, 2)), na=2, nb=[1, 2], delay=1)
+later: rlslab.Filter = rlslab.from_state(f.state)
+likely = float(m.pvalues @ m.recursive_coefficients[-1])
 width = float(np.ptp(m.conf_int(0.1)[0])) + m.scale + float(abs(m.poles).max())
 exact = rlslab.certified(np.zeros((3, 4)), np.zeros(3), forgetting=0.9, prior_variance=1.0)
 digits: float = exact.digits(m.params) + float(exact.theta[0])

@@ -5,16 +5,19 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/carlson_delta.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/conventional_two_sided.hpp>
 #include <rlslab/variants/extended_qr.hpp>
 #include <rlslab/variants/inverse_qr.hpp>
+#include <rlslab/variants/inverse_qr_delta.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
 #include <rlslab/variants/kalman.hpp>
 #include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 
 #include <rlslab/studies/rationals.hpp>
 #include "tests/common/laws.hpp"
@@ -30,7 +33,9 @@ namespace {
 using namespace gain_laws;
 using Subtracting = TypeList<Conventional<Rational>, ConventionalTwoSided<Rational>, Kalman<Rational>>;
 using Josephs = TypeList<Joseph<Rational>, JosephRankTwo<Rational>>;
-using RootSweeps = TypeList<Carlson<Reference>, InverseQr<Reference>, ExtendedQr<Reference>>;
+using UdSweeps = TypeList<Ud<Rational>, UdDelta<Rational>>;
+using RootSweeps = TypeList<Carlson<Reference>, CarlsonDelta<Reference>, InverseQr<Reference>,
+                            InverseQrDelta<Reference>, ExtendedQr<Reference>>;
 
 Reference const tolerance("1e-60");  // of numbers up to some 1e4 in 77 digits
 constexpr int cases = 60;
@@ -87,7 +92,7 @@ auto worst_of_sweep(Law law) {
 }
 
 TEST(GainLaws, TheFourSweepsShareOne) {
-    EXPECT_EQ(worst_of_sweep<Ud<Rational>>(sweep<Rational>), 0);
+    for_each(UdSweeps{}, []<class F>() { EXPECT_EQ(worst_of_sweep<F>(sweep<Rational>), 0) << F::name; });
     for_each(RootSweeps{}, []<class F>() { EXPECT_LE(worst_of_sweep<F>(sweep<Reference>), tolerance) << F::name; });
 }
 TEST(GainLaws, OfTheSweepsCanFail) {
@@ -109,7 +114,7 @@ TEST(GainLaws, AnErrorAfterTheLastColumnReachesThetaAlone) {
         EXPECT_EQ(largest<T>(right.stored().F - wrong.stored().F), 0) << F::name;
         EXPECT_GT(largest<T>(right.theta() - wrong.theta()), 0) << F::name;
     };
-    examine.template operator()<Ud<Rational>>();
+    for_each(UdSweeps{}, examine);
     for_each(RootSweeps{}, examine);
 }
 
@@ -224,7 +229,8 @@ void expect_the_same_diagonal(Index d) {
 TEST(GainLaws, NoErrorReachesADiagonalOfTheSweeps) {
     auto const in = []<class T>() {
         for (Index const d : {1, 2, 5, 11})
-            for_each(TypeList<Carlson<T>, Ud<T>, InverseQr<T>, ExtendedQr<T>>{},
+            for_each(TypeList<Carlson<T>, CarlsonDelta<T>, Ud<T>, UdDelta<T>, InverseQr<T>, InverseQrDelta<T>,
+                              ExtendedQr<T>>{},
                      [d]<class F>() { expect_the_same_diagonal<F>(d); });
     };
     in.template operator()<float>();
@@ -254,8 +260,8 @@ void expect_the_same_bits(Index d) {
 TEST(GainLaws, AnInertPerturbationLeavesTheKernelsBits) {
     auto const in = []<class T>() {
         for (Index const d : {1, 3, 4, 8, 19})
-            for_each(TypeList<Conventional<T>, Kalman<T>, Joseph<T>, Potter<T>, Carlson<T>, Ud<T>, InverseQr<T>,
-                              ExtendedQr<T>>{},
+            for_each(TypeList<Conventional<T>, Kalman<T>, Joseph<T>, Potter<T>, Carlson<T>, CarlsonDelta<T>, Ud<T>,
+                              UdDelta<T>, InverseQr<T>, InverseQrDelta<T>, ExtendedQr<T>>{},
                      [d]<class F>() { expect_the_same_bits<F>(d); });
     };
     in.template operator()<float>();
@@ -346,7 +352,7 @@ TEST(GainError, ReachesTheFilterOrIsRefused) {
             EXPECT_EQ(off.refusal, exact.refusal) << "an error of zero is refused like any other";
         }
     }
-    EXPECT_EQ(taken, 11);   // all that form a gain, or the vector that plays it
+    EXPECT_EQ(taken, 14);   // all that form a gain, or the vector that plays it
     EXPECT_GE(refused, 4);  // information, and what rotates or reflects rows into R
 }
 
@@ -363,7 +369,7 @@ TEST(GainError, OfTheLastColumnReachesPOnlyWhereTheGainIsComputedAtOnce) {
         EXPECT_FALSE(laws::identical(right->theta(), wrong->theta())) << entry.variant;
         nothing += laws::identical(right->stored(), wrong->stored());
     }
-    EXPECT_EQ(nothing, 4);  // carlson, ud, inverse_qr, extended_qr
+    EXPECT_EQ(nothing, 7);  // carlson, ud, inverse_qr, their delta forms, extended_qr
 }
 
 TEST(GainError, OfAnotherShapeIsRefused) {

@@ -159,6 +159,7 @@ template <class F>
 auto running_scale(Case<typename F::scalar> const& c, Index j) {
     using T = typename F::scalar;
     if constexpr (F::name == "inverse_qr") return T(T(1) / square_root(T(c.lambda * c.s_after[size_t(j)])));
+    else if constexpr (F::name == "inverse_qr_delta") return T(T(1) / square_root(c.s_after[size_t(j)]));
     else if constexpr (F::name == "extended_qr") return T(-square_root(T(c.lambda / c.s_after[size_t(j)])) / c.lambda);
     else return T(1);
 }

@@ -95,7 +95,8 @@ bool finite(Vector<Reference> const& v) {
 }
 /// Of a triangle the half that the variant reads.
 bool finite(Stored<Reference> const& stored, std::string_view variant) {
-    bool const upper = variant == "carlson" || variant == "ud" || variant == "inverse_qr" || variant == "extended_qr";
+    bool const upper = variant == "carlson" || variant == "ud" || variant == "inverse_qr" || variant == "extended_qr" ||
+                       variant.ends_with("_delta");
     bool const lower = variant == "qr" || variant == "gentleman" || variant == "qr_block";
     bool out = stored.D.size() == 0 || finite(stored.D);
     for (Index j = 0; j < stored.F.cols(); ++j)

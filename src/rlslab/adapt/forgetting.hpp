@@ -2,9 +2,9 @@
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
-#include <rlslab/state/bounded_count.hpp>
 #include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/rule_number.hpp>
+#include <rlslab/state/lanes.hpp>
 
 #include <limits>
 #include <tuple>
@@ -17,8 +17,8 @@ template <Field T, int N>
 struct RuleMemory {
     T lambda;           ///< Problem::forgetting, which the filter applies at every row besides the rule
     T strength = T(0);  ///< what the rule computed from its options and the problem
-    BoundedCount rows{0, std::numeric_limits<Index>::max() / 2};  ///< taken so far
-    StateVector<T, N> a;                                          ///< workspace
+    BoundedCountOf<PerLane<T, Index>> rows{0, std::numeric_limits<Index>::max() / 2};  ///< taken so far
+    StateVector<T, N> a;                                                               ///< workspace
 };
 
 /// A rule is an aggregate of options with
@@ -29,7 +29,7 @@ struct RuleMemory {
 /// F follows its problem: from a row that a guard skips, a rule would forget all the same.
 template <class Rule, class F>
 concept ForgettingRule =
-    OverOrderedField<F> && std::copyable<Rule> &&
+    OverOrderedField<F> && KeepsItsRows<F> && std::copyable<Rule> &&
     !requires { F::departs; } &&  // a guard goes around the rule: Guarded<Forgetting<F, Rule>>
     requires(Rule const rule, F& f, Problem<typename F::scalar> problem,
              RuleMemory<typename F::scalar, detail::size_of<F>>& memory, Regressor<typename F::scalar> psi) {
@@ -44,12 +44,27 @@ constexpr std::string_view rule_name() {
     else if constexpr (requires { Rule::name; }) return Rule::name;
     else return "rule";
 }
+/// c a a' more in P, in these lanes where c > 0.
+template <class T, Inflates F>
+void inflate_lanes(F& f, Truth<T> const& lanes, T const& c, Regressor<T> a) {
+    if (Truth<T> const some = lanes && T(0) < c; any(some)) on_lanes<T>(f, some, [&] { inflate(f, c, a); });
+}
+/// a = x e_j, where the row's number is j mod d: one for each lane, returned.
+template <class T, int N>
+PerLane<T, Index> turn(RuleMemory<T, N>& m, T const& x) {
+    Index const d = m.a.size();
+    PerLane<T, Index> const j = in_each_lane<T>(m.rows.n, [d](Index n) { return n % d; });
+    for (Index i = 0; i < d; ++i) m.a[i] = select(equal_to<T>(j, i), x, T(0));
+    return j;
+}
 }  // namespace detail
 
 /// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as
 /// without a rule; most rules want it to be 1, which is the default. Allocates where F does, and not in updates; where
 /// F solves for theta or K on request, a rule that asks for them does allocate at dynamic size. gain() is of the last
-/// row that F took, which may be one of the rule's.
+/// row that F took, which may be one of the rule's. Of packs: each lane has the bits of the scalar composition on its
+/// own rows; the options are one for all lanes; where the rule acts in some lanes alone, a thread allocates at its first
+/// such row.
 template <OverOrderedField F, ForgettingRule<F> Rule>
 class Forgetting : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
@@ -66,6 +81,10 @@ public:
         : detail::AroundFilter<F, true>(filter), rule_(rule),
           memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
                   .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
+        detail::for_each_number<Rule>([&](auto const& n) {
+            if constexpr (requires { (rule_.*n.at)[0]; })
+                expects(all(rule_.*n.at == T((rule_.*n.at)[0])), "a rule's numbers that are alike in all lanes");
+        });
         rule_.start(problem, memory_);
     }
 
@@ -82,14 +101,21 @@ public:
         std::array<StateOption, std::tuple_size_v<decltype(detail::numbers_of<Rule>())> + 1> out;
         [[maybe_unused]] std::size_t i = 0;
         detail::for_each_number<Rule>([&](auto const& n) {
-            out[i++] = {n.member, static_cast<double>(f.rule_.*n.at)};
+            out[i++] = {n.member, static_cast<double>(detail::of_lane(f.rule_.*n.at, 0))};
         });
-        out.back() = {"rows", double(f.memory_.rows.n), true};
+        out.back() = {"rows", double(detail::of_lane(f.memory_.rows.n, 0)), true};
         return out;
     }
     static auto state(auto& f) { return std::tie(f.filter_, f.memory_.lambda, f.memory_.strength, f.memory_.rows); }
     Rule const& rule() const { return rule_; }
 };
+
+namespace detail {
+template <HasOneLane F, template <class> class Rule, class T, int L>
+struct OneLane<Forgetting<F, Rule<Pack<T, L>>>> {
+    using type = Forgetting<OneLaneOf<F>, Rule<T>>;
+};
+}  // namespace detail
 
 // --- rules -----------------------------------------------------------------------------------------------------------
 
@@ -134,9 +160,9 @@ struct Fortescue {
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>& m) const {
-        expects(T(0) < noise_variance && T(1) <= memory, "a noise variance > 0 and a memory >= 1");
-        expects(T(0) < least && least <= T(1), "0 < least forgetting <= 1");
-        expects(T(0) <= largest_trace, "a bound of the trace >= 0");
+        expects(all(T(0) < noise_variance && T(1) <= memory), "a noise variance > 0 and a memory >= 1");
+        expects(all(T(0) < least && least <= T(1)), "0 < least forgetting <= 1");
+        expects(all(T(0) <= largest_trace), "a bound of the trace >= 0");
         m.strength = noise_variance * memory;
     }
     template <TimeUpdates F, int N>
@@ -144,11 +170,15 @@ struct Fortescue {
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
         Step<T> const step = f.update(psi, y);  // (1)
         T const loss = step.innovation * step.residual, sum = m.strength + loss;
-        T lambda = T(0) < loss && is_finite(loss) ? T(m.strength / sum) : T(1);  // (2)
-        if (T(0) < loss && !is_finite(loss)) lambda = least;
-        if (lambda < least) lambda = least;                                                // (3)
-        if (T(0) < largest_trace && !(trace(f) <= lambda * largest_trace)) lambda = T(1);  // (4)
-        if (lambda < T(1)) discount(f, lambda);                                            // (5)
+        Truth<T> const lost = T(0) < loss, finite = is_finite(loss);
+        T lambda(1);
+        if (Truth<T> const known = lost && finite; any(known))  // (2)
+            lambda = select(known, T(m.strength / select(known, sum, T(1))), lambda);
+        lambda = select((lost && !finite) || lambda < least, least, lambda);  // (3)
+        if (any(T(0) < largest_trace))                                        // (4)
+            lambda = select(trace(f) <= lambda * largest_trace, lambda, T(1));
+        if (Truth<T> const forgets = lambda < T(1); any(forgets))  // (5)
+            detail::on_lanes<T>(f, forgets, [&] { discount(f, lambda); });
         return step;
     }
 };
@@ -177,8 +207,8 @@ struct Kulhavy {
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>&) const {
-        expects(T(0) < forgetting && forgetting <= T(1), "0 < directional forgetting <= 1");
-        expects(T(0) <= least_excitation, "a least excitation >= 0");
+        expects(all(T(0) < forgetting && forgetting <= T(1)), "0 < directional forgetting <= 1");
+        expects(all(T(0) <= least_excitation), "a least excitation >= 0");
     }
     template <Inflates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
@@ -186,7 +216,8 @@ struct Kulhavy {
         Step<T> const step = f.update(psi, y);  // (1)
         auto const K = f.gain();
         T const xi = dot(m.a.data(), K.data(), m.a.size()), c = (T(1) - forgetting) / (forgetting * xi);
-        if (least_excitation <= dot(m.a, m.a) && T(0) < xi && is_finite(c)) inflate(f, c, K);  // (2)
+        Truth<T> const excited = least_excitation <= dot(m.a, m.a) && T(0) < xi && is_finite(c);
+        detail::inflate_lanes(f, excited, c, Regressor<T>(K));  // (2)
         return step;
     }
 };
@@ -215,18 +246,19 @@ struct CaoSchwartz {
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>&) const {
-        expects(T(0) < forgetting && forgetting <= T(1), "0 < directional forgetting <= 1");
-        expects(T(0) <= least_excitation, "a least excitation >= 0");
+        expects(all(T(0) < forgetting && forgetting <= T(1)), "0 < directional forgetting <= 1");
+        expects(all(T(0) <= least_excitation), "a least excitation >= 0");
     }
     template <Inflates F, int N>
         requires ReportsInformationAlong<F>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
         keep_regressor(psi, m.a);
-        if (least_excitation <= dot(m.a, m.a)) {
+        Regressor<T> const row(m.a.data(), m.a.size());
+        if (Truth<T> const excited = least_excitation <= dot(m.a, m.a); any(excited)) {
             T const c = (T(1) - forgetting) / (forgetting * information_along(f, psi));
-            if (T(0) <= c && is_finite(c)) inflate(f, c, Regressor<T>(m.a.data(), m.a.size()));  // (1)
+            detail::inflate_lanes(f, excited && is_finite(c), c, row);  // (1)
         }
-        return f.update(Regressor<T>(m.a.data(), m.a.size()), y);  // (2)
+        return f.update(row, y);  // (2)
     }
 };
 
@@ -255,20 +287,27 @@ struct RotatingRidge {
 
     template <int N>
     void start(Problem<T> const& problem, RuleMemory<T, N>& m) const {
-        expects(T(0) < ridge, "a ridge > 0");
+        expects(all(T(0) < ridge), "a ridge > 0");
         T worn = T(1);
         for (Index i = 0; i < m.a.size(); ++i) worn *= problem.forgetting;
         m.strength = square_root(T(ridge * (T(1) - worn)));
     }
     template <TimeUpdates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
-        Step<T> const step = f.update(psi, y);         // (1)
-        Index const d = m.a.size(), j = m.rows.n % d;  // (2)
-        for (Index i = 0; i < d; ++i) m.a[i] = T(0);
-        m.a[j] = m.strength;
-        T const output = toward_zero ? T(0) : T(m.strength * f.theta()[j]);
-        if (!toward_zero && (step.health == Health::undetermined || !is_finite(output))) return step;
-        measure(f, Regressor<T>(m.a.data(), d), output, T(1), m.lambda);  // (3)
+        Step<T> const step = f.update(psi, y);                       // (1)
+        PerLane<T, Index> const j = detail::turn<T>(m, m.strength);  // (2)
+        T output(0);
+        Truth<T> goes = true;
+        if (!toward_zero) {
+            auto const theta = f.theta();
+            for (Index i = 0; i < m.a.size(); ++i) output = select(detail::equal_to<T>(j, i), T(theta[i]), output);
+            output = T(m.strength * output);
+            goes = !detail::equal_to<T>(step.health, Health::undetermined) && is_finite(output);
+        }
+        if (any(goes))
+            detail::on_lanes<T>(f, goes, [&] {
+                measure(f, Regressor<T>(m.a.data(), m.a.size()), output, T(1), m.lambda);  // (3)
+            });
         return step;
     }
 };
@@ -292,14 +331,17 @@ struct CovarianceReset {
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>&) const {
         expects(period >= 1, "a period >= 1");
-        expects(T(0) < variance, "a variance > 0");
+        expects(all(T(0) < variance), "a variance > 0");
     }
     template <TimeUpdates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
         Step<T> const step = f.update(psi, y);
-        if ((m.rows.n + 1) % period == 0) {
+        Truth<T> const due(detail::in_each_lane<T>(m.rows.n, [this](Index n) { return (n + 1) % period == 0; }));
+        if (any(due)) {
             auto const theta = f.theta();
-            if (step.health != Health::undetermined && all_finite<T>(theta)) reset(f, variance, theta);
+            Truth<T> const resets =
+                due && !detail::equal_to<T>(step.health, Health::undetermined) && all_finite<T>(theta);
+            if (any(resets)) detail::on_lanes<T>(f, resets, [&] { reset(f, variance, Regressor<T>(theta)); });
         }
         return step;
     }
@@ -322,14 +364,13 @@ struct RandomWalk {
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>& m) const {
-        expects(T(0) <= variance, "a variance of the walk >= 0");
+        expects(all(T(0) <= variance), "a variance of the walk >= 0");
         m.strength = T(int(m.a.size())) * variance;
     }
     template <Inflates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
-        Index const d = m.a.size(), j = m.rows.n % d;
-        for (Index i = 0; i < d; ++i) m.a[i] = T(i == j ? 1 : 0);
-        inflate(f, m.strength, Regressor<T>(m.a.data(), d));
+        detail::turn<T>(m, T(1));
+        detail::inflate_lanes<T>(f, true, m.strength, Regressor<T>(m.a.data(), m.a.size()));
         return f.update(psi, y);
     }
 };

@@ -15,9 +15,8 @@ namespace rlslab {
 
 /// What a guard needs of a filter: e and s before the update, P_jj, a restart, and a row that holds P down.
 template <class F>
-concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> &&
-                    (std::same_as<Truth<typename F::scalar>, bool> || KeepsLanesApart<F>)&&requires(
-                        F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
+concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && KeepsItsRows<F> &&
+                    requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
                         detail::look_at(f, a, x);
                         variance(f, Index(0));
                         watched_variance(f, Index(0));

@@ -28,9 +28,8 @@ namespace rlslab {
 /// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and
 /// a root. Source: folklore; derived (docs/theory.md 63).
 template <OverOrderedField F>
-    requires(std::same_as<Truth<typename F::scalar>, bool> ||
-             (KeepsLanesApart<F> && !requires(F& f) { f.pass_time(); })) &&
-            (Real<typename F::scalar> || TimeUpdates<F>)
+    requires KeepsItsRows<F> && (Real<typename F::scalar> || TimeUpdates<F>) &&
+             (std::same_as<Truth<typename F::scalar>, bool> || !requires(F& f) { f.pass_time(); })
 class Weighted : public detail::AroundFilter<F> {
     using T = typename F::scalar;
     using detail::AroundFilter<F>::filter_;

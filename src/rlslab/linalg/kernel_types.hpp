@@ -229,6 +229,34 @@ struct SweepRotations : OverTriangle<T> {
     RealOf<T> correction;
     At at(Index j) const { return {c[j], s[j]}; }
 };
+/// A_ij = t keep_j - (t less_j + w_i mix_j'), w_i += t f_j, t the old A_ij, i <= j.
+template <class T>
+struct SweepCarlsonDelta : OverTriangle<T> {
+    struct At {
+        T f;
+        RealOf<T> keep, less;
+        T mix;
+    };
+    T const* f;
+    RealOf<T> const *keep, *less;
+    T const* mix;
+    At at(Index j) const { return {f[j], keep[j], less[j], conjugate(mix[j])}; }
+};
+/// A_ij = t keep_j - (t less_j + w_i mix_j'), w_i = c_j w_i + s_j t, t the old A_ij, i <= j.
+template <class T>
+struct SweepRotationsDelta : OverTriangle<T> {
+    struct At {
+        RealOf<T> c;
+        T s;
+        RealOf<T> keep, less;
+        T mix;
+    };
+    RealOf<T> const* c;
+    T const* s;
+    RealOf<T> const *keep, *less;
+    T const* mix;
+    At at(Index j) const { return {c[j], s[j], keep[j], less[j], conjugate(mix[j])}; }
+};
 template <class K>
 concept ByRows = requires { K::registers; };
 template <class K>

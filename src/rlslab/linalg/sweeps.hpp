@@ -88,6 +88,47 @@ void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, S
         perturb, next...);
 }
 
+/// The delta forms, where k_j is what column j keeps of S: S_ij = t keep_j - (t less_j + v_i mix_j'), keep_j - less_j =
+/// k_j, so that a k_j near 1 is never rounded (docs/theory.md 91). v is as in sweep_carlson, or as g in sweep_rotations.
+template <Scalar T, int N, class Perturb, class R = RealOf<T>>
+[[gnu::always_inline]] inline void sweep_carlson_delta(StateMatrix<T, N>& S, StateVector<T, N> const& f,
+                                                       StateVector<R, N> const& keep, StateVector<R, N> const& less,
+                                                       StateVector<T, N> const& mix, StateVector<T, N>& v,
+                                                       Perturb& perturb) {
+    detail::run_sweep<T, N>(
+        kernels::SweepCarlsonDelta<T>{
+            {S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), less.data(), mix.data()},
+        perturb);
+}
+template <RootedScalar T, int N, class Perturb, class R = RealOf<T>>
+void sweep_rotations_delta(StateMatrix<T, N>& S, StateVector<R, N> const& c, StateVector<T, N> const& s,
+                           StateVector<R, N> const& keep, StateVector<R, N> const& less, StateVector<T, N> const& mix,
+                           StateVector<T, N>& g, Perturb& perturb) {
+    detail::run_sweep<T, N>(
+        kernels::SweepRotationsDelta<T>{
+            {S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), keep.data(), less.data(), mix.data()},
+        perturb);
+}
+
+/// less_j = 1 - s_{j-1} / (lambda s_j) = (x_j - s_{j-1} (1 - lambda) / lambda) / s_j for s_j = s_{j-1} + x_j: neither a
+/// quotient near 1 nor lambda itself is rounded. less may be x.
+template <Field R, int N>
+void shrinkages(R const& lambda, StateVector<R, N> const& x, StateVector<R, N> const& before,
+                StateVector<R, N> const& after, StateVector<R, N>& less) {
+    R const worn = DivisorNearOne<R>(lambda).correction();
+    for (Index j = 0; j < x.size(); ++j) less[j] = (x[j] - worn * before[j]) / after[j];
+}
+/// The same of a root: from less_j = 1 - k_j^2 and k_j those of a sweep above, 1 - k_j = less_j / (1 + k_j). Where k_j
+/// is below 1/2, keep_j = 0 and less_j = -k_j: 1 - k_j would lose the digits of k_j.
+template <Real R, int N>
+void root_shrinkages(StateVector<R, N> const& k, StateVector<R, N>& keep, StateVector<R, N>& less) {
+    for (Index j = 0; j < k.size(); ++j) {
+        Truth<R> const small = k[j] < R(1) / R(2);
+        keep[j] = select(small, R(0), R(1));
+        less[j] = select(small, R(-k[j]), R(less[j] / (R(1) + k[j])));
+    }
+}
+
 /// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + |a_j|^2, b_0 = 1; returns b_d. Computed as roots of
 /// running sums of squares: a square that underflows is negligible beside b_0 = 1. If a sum overflows, each b_j is
 /// computed from b_{j-1} by a scaled hypotenuse.

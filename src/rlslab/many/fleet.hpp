@@ -7,11 +7,32 @@
 #include <rlslab/many/fleet_steps.hpp>
 #include <rlslab/many/threads.hpp>
 
+#include <functional>
+
 namespace rlslab {
 
 namespace detail {
 template <class F>
 concept TakesWeights = requires(F& f, Regressor<typename F::scalar> psi, typename F::scalar x) { f.update(psi, x, x); };
+/// The filter of numbers beside F, or F where there is none.
+template <class F>
+struct Beside {
+    using type = F;
+};
+template <HasOneLane F>
+struct Beside<F> {
+    using type = OneLaneOf<F>;
+};
+/// A filter of a problem, without options.
+template <class F>
+struct MakesFilters {
+    F operator()(Problem<typename F::scalar> const& problem) const { return F(problem); }
+    auto operator()(Problem<typename F::scalar::lane_type> const& problem) const
+        requires HasOneLane<F>
+    {
+        return OneLaneOf<F>(problem);
+    }
+};
 }  // namespace detail
 
 /// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>. Each keeps the bits of the scalar
@@ -27,10 +48,10 @@ concept TakesWeights = requires(F& f, Regressor<typename F::scalar> psi, typenam
 /// add() gives its number away again. Each filter may have a problem of its own, of the same size.
 ///
 /// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
-/// triangle (all of F where it is guarded, or is not fixed in size and stores a square), with lambda only once lambdas
-/// differ; 21 bytes of health and counts; an F for each thread. A row moves that of all through the processor once. An
-/// update allocates only when it first meets that many threads; of guarded filters also as Guarded says. Source: layout
-/// as in arrays of structures of arrays; folklore.
+/// triangle (all of F where something is around the variant, or it is not fixed in size and stores a square), with
+/// lambda only once lambdas differ; 21 bytes of health and counts; an F for each thread. A row moves that of all through
+/// the processor once. An update allocates only when it first meets that many threads; of filters with a guard or a rule
+/// also as Guarded and Forgetting say. Source: layout as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
@@ -40,17 +61,22 @@ public:
     static constexpr int lanes = pack::lanes;
     static constexpr std::string_view name = F::name;
 
-    /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
-    Fleet(Index filters, Problem<number> const& problem)
-        : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
-          packs_(fresh_, (filters + lanes - 1) / lanes), first_(first_health(problem)), health_(groups(), first_),
-          alive_(groups(), false), begun_(groups(), 0), missing_(groups(), 0) {
+    /// make(problem) makes F of a problem of packs and, for filter(i), the filter of numbers of a problem of numbers: with
+    /// a guard's options, or a rule's. Throws std::invalid_argument unless filters >= 1, and as make for the problem.
+    template <class Make = detail::MakesFilters<F>>
+    Fleet(Index filters, Problem<number> const& problem, Make const& make = {})
+        : filters_(checked_count(filters)), make_(make), fresh_(make_(in_packs(problem))),
+          size_(Index(fresh_.theta().size())), packs_(fresh_, (filters + lanes - 1) / lanes),
+          first_(first_health(problem)), health_(groups(), first_), alive_(groups(), false), begun_(groups(), 0),
+          missing_(groups(), 0) {
+        if constexpr (detail::HasOneLane<F>) make_one_ = make;
         for (Index i = 0; i < filters; ++i) at(alive_, i) = true;
     }
     /// Filter i of problems[i], all of one size. The fleet's problem, for add() and reset(), is problems[0]. Throws
     /// std::invalid_argument where there is none, and as F for each.
-    explicit Fleet(std::span<Problem<number> const> problems)
-        : Fleet(Index(problems.size()), problems.empty() ? Problem<number>{} : problems[0]) {
+    template <class Make = detail::MakesFilters<F>>
+    explicit Fleet(std::span<Problem<number> const> problems, Make const& make = {})
+        : Fleet(Index(problems.size()), problems.empty() ? Problem<number>{} : problems[0], make) {
         for (size_t i = 1; i < problems.size(); ++i) reset(Index(i), problems[i]);
     }
 
@@ -172,7 +198,7 @@ public:
         auto own = packs_.workspace();
         detail::LaneRead numbers(int(i % lanes));
         detail::walk(numbers, packs_.read(i / lanes, own));
-        detail::OneLaneOf<F> out(Problem<number>{.size = size_});
+        One out = make_one_(Problem<number>{.size = size_});
         detail::LaneWritten written(0, true, numbers.values);
         detail::walk(written, out);
         return out;
@@ -180,9 +206,9 @@ public:
     /// And back: filter i goes on as this one, whatever its forgetting and prior. Its health is sound, or undetermined
     /// where theta is not finite. Throws std::invalid_argument unless alive(i), for another size, and for a filter in a
     /// state that update() does not leave (a walk of kalman's; rows that information took without a report).
-    template <class One>
-        requires std::same_as<One, detail::OneLaneOf<F>>
-    void put(Index i, One const& one) {
+    void put(Index i, detail::Beside<F>::type const& one)
+        requires detail::HasOneLane<F>
+    {
         check(i);
         expects(Index(one.theta().size()) == size_, "a filter of the fleet's size");
         detail::LaneRead numbers(0);
@@ -213,6 +239,7 @@ public:
 
 private:
     using Mask = typename pack::Mask;
+    using One = detail::Beside<F>::type;
     template <class X>
     using PerFilter = std::vector<Lanes<X, lanes>>;
     /// Of a thread.
@@ -244,7 +271,7 @@ private:
         return problem.template mapped<pack>([](number x) { return pack(x); });
     }
     F made(Problem<number> const& problem) const {
-        F out(in_packs(problem));
+        F out = make_(in_packs(problem));
         expects(Index(out.theta().size()) == size_, "a problem of the fleet's size");
         return out;
     }
@@ -421,6 +448,8 @@ private:
     }
 
     Index filters_;
+    std::function<F(Problem<pack> const&)> make_;
+    std::function<One(Problem<typename One::scalar> const&)> make_one_ = {};
     F fresh_;  // of the fleet's problem
     Index size_;
     detail::FleetRecords<F> packs_;

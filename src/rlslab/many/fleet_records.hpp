@@ -102,6 +102,10 @@ struct RecordSize : Silent {
     void number(X const&) {
         packs += Index((sizeof(X) + sizeof(P) - 1) / sizeof(P));
     }
+    template <class N>
+    void number(BoundedCountOf<N> const& x) {
+        number(x.n);
+    }
     void piece(P const*, Index n) { packs += n; }
     void one(P const&) {}
 };
@@ -128,6 +132,10 @@ struct RecordWriting : Silent {
         std::memcpy(static_cast<void*>(to), &x, sizeof x);
         to += (sizeof(X) + sizeof(P) - 1) / sizeof(P);
     }
+    template <class N>
+    void number(BoundedCountOf<N> const& x) {
+        number(x.n);
+    }
     [[gnu::always_inline]] void piece(P const* x, Index n) {
         for (Index i = 0; i < n; ++i) to[i] = some ? select(mask, x[i], to[i]) : x[i];
         to += n;
@@ -143,6 +151,10 @@ struct RecordReading : Silent {
     void number(X& x) {
         std::memcpy(&x, static_cast<void const*>(from), sizeof x);
         from += (sizeof(X) + sizeof(P) - 1) / sizeof(P);
+    }
+    template <class N>
+    void number(BoundedCountOf<N>& x) {
+        number(x.n);
     }
     [[gnu::always_inline]] void piece(P* x, Index n) {
         for (Index i = 0; i < n; ++i) x[i] = from[i];

@@ -146,6 +146,12 @@ bool covariance_is_accurate(CertifiedSolution::Enclosure const& x) {
 
 std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data,
                                          std::vector<Index> const& steps, int digits) {
+    return certified(problem, data, steps, digits, {});
+}
+
+std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data,
+                                         std::vector<Index> const& steps, int digits,
+                                         std::function<void()> const& pause) {
     check(problem, data, steps, digits);
     Index const d = problem.size;
     Index const known = defined(problem) ? finite_rows(data) : 0;
@@ -153,7 +159,7 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
     for (Index const k : steps)
         if (k <= known) defined_steps.push_back(k);
     std::vector<Index> const ranks =
-        problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps);
+        problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps, pause);
 
     std::vector<CertifiedSolution> answers;
     std::vector<size_t> pending;
@@ -172,6 +178,7 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
     // Doubled, and the last one is `most` itself; then 0.
     auto const after = [most](long bits) { return bits == most ? 0 : std::min(2 * bits, most); };
     auto decided = [&](size_t s, BallMatrix const& normal, long bits) {
+        if (pause) pause();
         auto enclosure =
             std::make_shared<CertifiedSolution::Enclosure>(CertifiedSolution::Enclosure{{}, {}, bits, digits});
         if (!solve(*enclosure, normal) || !covariance_is_accurate(*enclosure)) return false;
@@ -187,14 +194,14 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
     if (problem.forgetting == 1) {
         IntegerGram gram(data, steps[pending.back()]);
         for (size_t const s : pending) {
-            gram.advance(steps[s]);
+            gram.advance(steps[s], pause);
             for (long bits = least; bits > 0 && !decided(s, normal.sum(gram, bits), bits);) bits = after(bits);
         }
     } else {
         for (long bits = least; bits > 0 && !pending.empty(); bits = after(bits)) {
             ForgettingGram gram = normal.recursion(bits);
             std::erase_if(pending, [&](size_t s) {
-                gram.advance(steps[s]);
+                gram.advance(steps[s], pause);
                 return decided(s, gram.matrix(), bits);
             });
         }

@@ -33,10 +33,13 @@ IntegerGram::IntegerGram(Records const& data, Index last)
         if (e == std::numeric_limits<int>::max()) e = 0;  // a column of zeros
 }
 
-void IntegerGram::advance(Index k) {
+void IntegerGram::advance(Index k, std::function<void()> const& pause) {
     // FLINT's products have a fixed cost per call and copy the block: some hundreds of rows are enough.
     constexpr Index block = 256;
-    for (; rows_ < k; rows_ = std::min(k, rows_ + block)) add(rows_, std::min(block, k - rows_));
+    for (; rows_ < k; rows_ = std::min(k, rows_ + block)) {
+        add(rows_, std::min(block, k - rows_));
+        if (pause) pause();
+    }
 }
 
 void IntegerGram::add(Index first, Index count) {
@@ -67,8 +70,11 @@ ForgettingGram::ForgettingGram(Records const& data, double forgetting, BallMatri
     for (Index i = 1; i <= block; ++i) arb_mul(power_[size_t(i)], power_[size_t(i - 1)], lambda, bits_);
 }
 
-void ForgettingGram::advance(Index k) {
-    for (; rows_ < k; rows_ = std::min(k, rows_ + block)) add(rows_, std::min(block, k - rows_));
+void ForgettingGram::advance(Index k, std::function<void()> const& pause) {
+    for (; rows_ < k; rows_ = std::min(k, rows_ + block)) {
+        add(rows_, std::min(block, k - rows_));
+        if (pause) pause();
+    }
 }
 
 void ForgettingGram::add(Index first, Index count) {  // (1)

@@ -5,6 +5,7 @@
 #include <rlslab/reference/balls.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace rlslab::balls {
@@ -26,8 +27,8 @@ class IntegerGram {
 
 public:
     IntegerGram(Records const& data, Index last);
-    /// Adds the rows that follow, up to row k <= last; k must not fall.
-    void advance(Index k);
+    /// Adds the rows that follow, up to row k <= last; k must not fall. `pause`: called after each block of rows.
+    void advance(Index k, std::function<void()> const& pause = {});
     IntegerMatrix const& mantissas() const { return sum_; }
     /// G_ij rounded to `bits` bits, with the rounding error in the radius.
     void entry(arb_ptr ball, Index i, Index j, long bits) const;
@@ -53,7 +54,7 @@ public:
     static constexpr Index block = 64;
     /// M_0, (d+1) x (d+1), is the prior's part (upper triangle).
     ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power = 1);
-    void advance(Index k);
+    void advance(Index k, std::function<void()> const& pause = {});
     BallMatrix const& matrix() const { return sum_; }
 };
 
@@ -64,7 +65,8 @@ bool surely_vanishes(Problem<double> const& problem, Records const& data, Index 
 
 /// The proven rank of the first k regressors, for each k of `steps` (ascending). Elimination modulo the prime 2^61 - 1
 /// bounds it from below, k and d from above. Where these differ, exact integer elimination decides.
-std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps);
+std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps,
+                                std::function<void()> const& pause = {});
 
 /// Whether a finite square matrix is nonsingular, decided exactly: modulo a prime first, then in integers.
 /// Throws std::range_error when the exponents within a column differ by more than 2^20.

@@ -96,13 +96,17 @@ bool full_rank_modulo_prime(IntegerMatrix const& A) {
 
 }  // namespace
 
-std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps) {
+std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps,
+                                std::function<void()> const& pause) {
     Index const d = data.parameters();
     std::vector<Index> lower, upper;
     ModularEchelon echelon(d);
     Index row = 0;
     for (Index const k : steps) {
-        for (; row < k && echelon.rank() < d; ++row) echelon.add(data.psi.col(row).data());
+        for (; row < k && echelon.rank() < d; ++row) {
+            echelon.add(data.psi.col(row).data());
+            if (pause) pause();
+        }
         lower.push_back(echelon.rank());
         upper.push_back(std::min(k, d));
     }
@@ -113,7 +117,7 @@ std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& s
         upper[s] = std::min(upper[s], ceiling);
         if (lower[s] < upper[s]) {
             IntegerGram gram(data, steps[s]);
-            gram.advance(steps[s]);
+            gram.advance(steps[s], pause);
             IntegerMatrix regressors(d, d);
             for (Index j = 0; j < d; ++j)
                 for (Index i = 0; i < d; ++i) fmpz_set(regressors(i, j), gram.mantissas()(i, j));

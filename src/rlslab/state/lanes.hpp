@@ -115,6 +115,17 @@ template <class T, int L>
 bool of_lane(PackMask<T, L> const& x, int lane) {
     return x[lane];
 }
+/// f(x) for what x is in each of T's lanes.
+template <class T, class X, class Function>
+auto in_each_lane(X const& x, Function f) {
+    if constexpr (std::same_as<Truth<T>, bool>) {
+        return f(x);
+    } else {
+        Lanes<decltype(f(x[0])), T::lanes> out;
+        for (int lane = 0; lane < T::lanes; ++lane) out.value[size_t(lane)] = f(x[lane]);
+        return out;
+    }
+}
 /// Where a, one X for each of T's lanes, is b.
 template <class T, class A, class X>
 Truth<T> equal_to(A const& a, X const& b) {
@@ -221,5 +232,8 @@ constexpr bool counts_all_lanes_at_once() {
 /// a fleet of it would take the rows of one filter for another's.
 template <class F>
 concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && !detail::counts_all_lanes_at_once<F>();
+/// Over numbers, or with lanes apart: what is composed around a filter may act in some lanes alone.
+template <class F>
+concept KeepsItsRows = std::same_as<Truth<typename F::scalar>, bool> || KeepsLanesApart<F>;
 
 }  // namespace rlslab

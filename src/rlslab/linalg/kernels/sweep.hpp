@@ -55,6 +55,36 @@ template <class B, class T>
     w.set(turned);
 }
 
+// A_ij = t keep_j - (t less_j + w_i mix_j)
+template <class At, class B>
+[[gnu::always_inline]] inline void subtract_delta(At const& at, B& t, B const& w) {
+    B delta = t;
+    delta.scale(at.less);
+    delta.add_product(w, at.mix);
+    t.scale(at.keep);
+    t.subtract(delta);
+}
+
+// and w_i += t f_j
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepCarlsonDelta<T> const&, typename SweepCarlsonDelta<T>::At const& at, B& t,
+                                        B& w) {
+    B const old = t;
+    subtract_delta(at, t, w);
+    w.add_product(old, at.f);
+}
+
+// and w_i = c_j w_i + s_j t
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepRotationsDelta<T> const&, typename SweepRotationsDelta<T>::At const& at,
+                                        B& t, B& w) {
+    B turned = t;
+    turned.scale(at.s);
+    turned.add_product(w, at.c);
+    subtract_delta(at, t, w);
+    w.set(turned);
+}
+
 /// Columns [j0, j1) of the first P of K blocks.
 template <int P, class B, int K, class S>
 [[gnu::always_inline]] inline void columns(S const& s, B (&w)[K], Index i0, Index j0, Index j1) {

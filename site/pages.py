@@ -1,0 +1,349 @@
+"""Pages made from what the tree records: one for each variant and for each study, and tables for the others.
+
+Each function returns Markdown whose links are those of the tree; build.py turns them into links of the site.
+"""
+import json
+import re
+
+from header import places, root, sentences, variants
+
+sizes = (2, 4, 8, 16, 32, 64, 128)
+listing = {"C++": "cpp", "Python": "python", "C": "c", "Command line": "none"}
+
+
+def read(path):
+    return (root / path).read_text()
+
+
+def fenced(path, language, number=0):
+    """Of a page: its block in a language. These are the blocks that tests compile or run."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", read(path), re.M | re.S)[number]
+
+
+def close(code):
+    """Without the blanks that align comments: pages are narrower than files."""
+    return re.sub(r" {3,}(//|#)", r"    \1", code)
+
+
+def tabs(blocks):
+    out = "".join(f"````{{group-tab}} {name}\n```{listing[name]}\n{close(code).rstrip()}\n```\n````\n"
+                  for name, code in blocks.items())
+    return f"`````{{tabs}}\n{out}`````\n"
+
+
+def table(head, rows):
+    rows = [[str(c) for c in row] for row in rows]
+    return "\n".join(f"| {' | '.join(row)} |" for row in [[str(c) for c in head], ["---"] * len(head), *rows]) + "\n"
+
+
+def folded(title, text):
+    return f"<details><summary>{title}</summary>\n\n{text}\n\n</details>\n"
+
+
+# What a variant's page takes from elsewhere.
+
+def readme_rows():
+    """The README's table of variants: operations, no prior, ns ..., bits."""
+    return {name: [c.strip() for c in rest.split("|")]
+            for name, rest in re.findall(r"^\| `(\w+)` \|(.*)\|$", read("README.md"), re.M)}
+
+
+def times():
+    """(variant, arithmetic, d) -> nanoseconds of an update, and the machine, from bench/baseline.json. A unit of that
+    file in nanoseconds stands in docs/speed.md."""
+    machine, recorded = next(iter(json.loads(read("bench/baseline.json"))["machines"].items()))
+    unit = float(re.search(r"\(([\d.]+) ns here\)", read("docs/speed.md").replace("\n", " "))[1])
+    out = {}
+    for name, (_, median, _) in recorded["rows"].items():
+        kind, *rest = name.split("/")
+        if kind == "update" and len(rest) == 3:
+            out[rest[0], rest[1], int(rest[2])] = median * unit
+    return machine, out
+
+
+def questions():
+    """docs/questions.md by question: (title, anchor, paragraph)."""
+    text = read("docs/questions.md")
+    part = ""
+    for block in re.split(r"\n\n", text):
+        if block.startswith("## "):
+            part = block[3:].lower().replace(" ", "-")
+        if m := re.match(r'(?:<a id="[^"]*"></a>)?\*\*(.*?)\*\*(.*)', block, re.S):
+            yield " ".join(m[1].split()), part, " ".join(m[2].split())
+
+
+def split_sentences(text):
+    return re.split(r"(?<=[.;])\s+(?=[A-Z*(`])", text)
+
+
+def studies():
+    """The studies in the order of the record: their words from their sources, their verdicts from studies/*.json."""
+    full, second = (json.loads(read(f"studies/verdicts-full{s}.json")) for s in ("", "-seed-2"))
+    sources = {p: p.read_text() for p in sorted((root / "studies").glob("*/*.cpp"))}
+    string = re.compile(r'\s*(?:R"tex\((.*?)\)tex"|"((?:[^"\\]|\\.)*)")', re.S)
+    out = []
+    written = re.findall(r"^Study const (\w+)\{", "\n".join(sources.values()), re.M)
+    for name, verdicts in (full | {n: {} for n in written if n not in full}).items():
+        path, code = next((p, t[m.start():]) for p, t in sources.items()
+                          if (m := re.search(rf"^Study const {name}\{{", t, re.M)))
+        study = {"name": name, "folder": path.parent.name, "path": path.relative_to(root),
+                 "verdicts": [(c, v, second.get(name, {}).get(c, "")) for c, v in verdicts.items()]}
+        for field in ("question", "source", "formula", "interpretation", "data"):
+            study[field], at = "", code.find(f".{field} =") + len(f".{field} =")
+            while at > len(field) + 2 and (m := string.match(code, at)):
+                study[field] += m[1] or m[2].replace('\\"', '"').replace("\\\\", "\\")
+                at = m.end()
+        factors = re.search(r"\.factors =(.*?)\.measures", code, re.S)
+        study["factors"] = list(dict.fromkeys(re.findall(r'\{"([\w ]+)",(?!\s*")', factors[1]))) if factors else []
+        out.append(study)
+    return out
+
+
+class Links:
+    """Names that have a page become links to it: `ud`, study gain_error, docs/theory.md 16."""
+
+    def __init__(self, variants, studies):
+        self.variants, self.studies = set(variants), set(studies)
+
+    def name(self, code):
+        bare = code.strip("`")
+        if bare in self.variants:
+            return f"[{code}](../variants/{bare}.md)"
+        return f"[{code}](../studies/{bare}.md)" if bare in self.studies else code
+
+    def prose(self, text):
+        """Words of a source file as they stand; names of studies and variants, and places in the theory, are linked."""
+        text = re.sub(r"\b(studies|study) (\w+)\b", lambda m: f"{m[1]} `{m[2]}`" if m[2] in self.studies else m[0],
+                      text)
+        text = re.sub(r"(?<![`\w])[a-z]+_[a-z_]+(?![`\w])", lambda m: f"`{m[0]}`", escaped(text))
+        text = re.sub(r"`\w+`", lambda m: self.name(m[0]), text)
+        return places(text)
+
+    def page(self, text):
+        """Words of a Markdown page, whose links are of docs/."""
+        text = re.sub(r"\]\((?!\.\.|\w+:)(#?)", lambda m: "](../docs/" + ("questions.md#" if m[1] else ""), text)
+        return re.sub(r"(?<!\[)`(\w+)`", lambda m: self.name(m[0]), text)
+
+
+def escaped(text):
+    """Words that are no Markdown. (Underscores within a word are none.)"""
+    return re.sub(r"([*<\[$])(?!\s)", lambda m: "&lt;" if m[1] == "<" else "\\" + m[1], text)
+
+
+# The code of a variant: the blocks of README, docs/python.md and docs/c.md with its name in place of ud.
+
+def code_of(header):
+    out = {}
+    use = "<double>" if not header.sparse else ""
+    out["C++"] = (fenced("README.md", "cpp").replace("variants/ud.hpp", f"variants/{header.name}.hpp")
+                  .replace("Ud<double>", header.type + use))
+    if not header.sparse:
+        out["Python"] = (fenced("docs/python.md", "python").replace("rlslab.Ud", f"rlslab.{header.type}")
+                         .replace(">>> step.innovation,", ">>> round(step.innovation, 9),"))
+        out["C"] = fenced("docs/c.md", "c").replace('"ud"', f'"{header.name}"')
+    return out
+
+
+dies = {
+    ("covariance", "plain"): "$P$ itself is stored, and rounding can make it indefinite. `health` is `indefinite` at "
+    "each row whose $\\gamma$ lies outside $(0, 1]$. A row meets $P$ along its $\\psi$ only, so that $P$ may have been "
+    "indefinite for a while. A [guard](../docs/library.md#around-a-filter) around it resets $P$, or hands over.",
+    ("covariance", "factor"): "A factor of $P$ is stored: $P$ stays positive definite while nothing overflows or "
+    "underflows (docs/theory.md 34).",
+    ("information", "factor"): "A factor of $P^{-1}$ is stored, and a row only adds to $P^{-1}$.",
+    ("information", "plain"): "$P^{-1}$ itself is stored and factored for the report.",
+}
+
+
+def death(h):
+    """How a filter ends: by what it stores, and by what its page says of health."""
+    out = [places(dies[h.quantity, h.form])]
+    if h.may_be_indefinite and h.quantity == "information":
+        out.append("`health` is `indefinite` where a pivot is not positive.")
+    if h.free:
+        out.append("Without a prior it is `undetermined` until enough rows have come.")
+    return " ".join([*out, "After an overflow, or a row that is not finite, it is `nonfinite`.\n"])
+
+
+def said(header, of):
+    """What questions.md says of a variant, and the claims that name it: those on its end apart."""
+    answers = [(t, a, hits) for t, a, text in of.questions
+               if (hits := [text] if re.search(header.called, t) else
+                   [s for s in split_sentences(text) if re.search(header.called, s)])]
+    found = [f"- **{t}** {of.links.page(' … '.join(hits))} [→](../docs/questions.md#{a})" for t, a, hits in answers]
+    claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"] 
+              if re.search(rf"\b{header.name}\b(?!')|{header.called}", c)]
+    ends = [c for c in claims if re.search(r"definite|overflow|break|surviv|ends|freez|lose", c[1])]
+    return found, [c for c in claims if c not in ends], ends
+
+
+def claim_table(claims, links):
+    """Folded: the claims of studies."""
+    rows = [[links.name(f"`{s}`"), links.prose(c).replace("|", "\\|"), f"**{v}**"] for s, c, v in claims]
+    title = f"{len(rows)} claims of the studies name it (full budget, seed 1)"
+    return folded(title, table(["study", "claim", "verdict"], rows)) if rows else ""
+
+
+def cost(header, of, storage):
+    operations = of.readme.get(header.name, ["", "–"])[1]
+    page = [storage + ".\n"] if storage else []
+    if operations != "–":
+        page.append(f"One update at 10 parameters, theta included: {operations} operations, counted by running the "
+                    "code.\n")
+    timed = [[a, *(f"{of.times[header.name, a, d]:.0f}" for d in sizes)] for a in ("float", "double")
+             if all((header.name, a, d) in of.times for d in sizes)]
+    if timed:
+        without = ", without solving for theta" if f"`{header.name}` *" in read("docs/speed.md") else ""
+        page += [f"Nanoseconds of an update{without}, by number of parameters ({of.machine}; `bench/baseline.json`,\n"
+                 "[how it was measured](../docs/speed.md#how-it-was-measured)):\n", table(["", *sizes], timed)]
+    return page
+
+
+def variant_page(h, of):
+    """The page of a header; `of`: what all of them share."""
+    links = of.links
+    row = of.readme.get(h.name, ["–"] * 7)
+    title, _, lead = h.title.split(". ")[0].rstrip(".").partition(": ")
+    source = re.search(r"Sources?: (.*?)(?:\. Nothing.*|\.)?$", h.prose)[1]
+    storage = m[1] if (m := re.search(r"(Storage .*?)(?:\. |\.?$)", h.prose)) else ""
+    storage = sentences(storage, links.name)
+    blocks = [re.sub(r" ?Sources?: .*?(\. (?=Nothing)|$)", "", b.replace(storage + "." if storage else "\0", ""))
+              for b in h.text(links.name)]
+    found, claims, ends = said(h, of)
+    dying = [s for s in re.split(r"(?<=\.) |\n", h.prose) if re.search(
+        r"NaN|breakdown|indefinite|warning|drift|grows? as|Squares|definite exactly|walk replaces", s)]
+    page = [f"# {title} (`{h.name}`)\n", sentences(f"{lead[0].upper()}{lead[1:]}.\n") if lead else ""]
+    page += [table(["", ""], [
+        ["class", f"`rlslab::{h.type}{'' if h.sparse else '<T, N>'}`"],
+        ["header", f"[`<rlslab/variants/{h.name}.hpp>`]({h.name}.hpp)"],
+        ["propagates", {"plain": "the ", "factor": "a factor of the "}[h.form] + h.quantity],
+        ["starts without a prior", "yes" if h.free else "no"],
+        ["needs", "SPQR or CHOLMOD (GPL-2+), binary64" if h.sparse else "Eigen; any arithmetic"]]),
+        f"{{{{live {h.name} {h.type}}}}}\n", "## What it computes\n", *(b.strip() + "\n" for b in blocks),
+        "## What it costs\n",
+        *cost(h, of, storage), "## Good at, bad at\n"]
+    if row[-1] != "–":
+        page.append(f"Bits that its word needs more when the condition number of the rows doubles: **{row[-1]}** "
+                    "([how that was found](../README.md#the-variants-and-their-speed)).\n")
+    page += found + ["", claim_table(claims, links) or "" if found or claims else "No study asks about it yet.\n",
+                     "## How it dies\n", death(h)]
+    page += [f"- {sentences(s, links.name)}" for s in dying]
+    page += ["", claim_table(ends, links), "## In a program\n", tabs(code_of(h)),
+             f"## Source\n\n{source}. `rlslab cite {h.name}` prints BibTeX; all works: "
+             "[literature](../docs/literature.md#6).\n"]
+    return "\n".join(page)
+
+
+class Shared:
+    """What the pages of variants take from the rest of the tree."""
+    def __init__(self):
+        self.headers = variants()
+        self.readme, self.questions, self.studies = readme_rows(), list(questions()), studies()
+        self.machine, self.times = times()
+        self.links = Links([h.name for h in self.headers], [s["name"] for s in self.studies])
+
+
+def variant_index(of):
+    rows = []
+    for h in of.headers:
+        row = of.readme.get(h.name, ["–"] * 7)
+        rows.append([f"[`{h.name}`]({h.name}.md)", re.split(r": |\. ", h.title)[0].rstrip("."), row[0], row[1],
+                     row[2], row[4], row[-1]])
+    return "# The variants\n\nEach is one page in `variants/`: its formula, then the code in the same letters. What " \
+        "the columns mean: [README](../README.md#the-variants-and-their-speed).\n\n" + \
+        table(["variant", "", "propagates", "operations at 10", "no prior", "ns at 16", "bits"], rows)
+
+
+def quoted(factor):
+    return f"'{factor}'" if " " in factor else factor
+
+
+def study_page(s, links):
+    runs = ["--budget full --out mine", "--describe",
+            *(f"--set {quoted(f)}=... --out mine" for f in s["factors"] if f != "replicate")]
+    page = [f"# {s['question']}\n",
+            f"Study `{s['name']}` ([its source](../{s['path']}); all of them: [studies](index.md)).\n"]
+    page += ["$$\n" + " ".join(s["formula"].split()) + "\n$$\n"] if s["formula"] else []
+    drawn = sorted((root / "out/figures").glob(f"{s['name']}-*.svg"))    # where ./lab report has run
+    page += [f"![A figure of the study, as the last report here drew it](figures/{p.name})\n" for p in drawn]
+    page += [links.prose(s["interpretation"]) + "\n", f"*Data:* {links.prose(s['data'])}.\n" if s["data"] else "",
+             f"*Source of the law:* {links.prose(s['source'])}.\n" if s["source"] else "", "## Verdicts\n",
+             "At the full budget, by the record in `studies/`; what a verdict is: "
+             "[verdicts](../docs/questions.md#verdicts).\n",
+             table(["claim", "seed 1", "seed 2"], [[links.prose(c).replace("|", "\\|"), f"**{v}**", w]
+                                                   for c, v, w in s["verdicts"]]),
+             "## Run it, vary it\n", "```", *(f"rlslab study {s['name']} {words}" for words in runs), "```\n",
+             "`--out` leaves the table, the figure and a report. `--describe` prints its factors with their values, "
+             "its measures, the origin of each band, and how long it takes. More: "
+             "[vary a study](../docs/questions.md#vary-a-study)."]
+    return "\n".join(page)
+
+
+def study_index(of):
+    subjects = {}
+    for s in of.studies:
+        subjects.setdefault(s["folder"], []).append(s)
+    page = ["# The studies\n", "Each asks one question and judges claims by intervals over seeds. What came out is in "
+            "[questions and answers](../docs/questions.md). Verdicts at the full budget, seed 1: "
+            "[the record](verdicts-full.json).\n"]
+    for subject, found in subjects.items():
+        page += [f"## {subject.capitalize()}\n", table(["study", "question", "holds", "fails", "undecided"], [
+            [f"[`{s['name']}`]({s['name']}.md)", s["question"].replace("|", "\\|"),
+             *(sum(v == w for _, v, _ in s["verdicts"]) for w in ("holds", "fails", "undecided"))] for s in found])]
+    return "\n".join(page)
+
+
+# The first pages: texts of site/pages/, filled from the rest of the tree.
+
+def start_tabs():
+    """The same first filter from each language. The tests of the page that a block is of compile or run it."""
+    return tabs({"C++": fenced("README.md", "cpp"), "Python": fenced("docs/python.md", "python"),
+                 "C": fenced("docs/c.md", "c"),
+                 "Command line": "./lab demo\n./lab run compare mydata.csv --input u --output y --order 4 --detrend\n"})
+
+
+def paragraph(path, title):
+    """Of a page: the paragraph, or the item of a list, that begins with a title in bold."""
+    text = "\n\n" + read(path)
+    m = re.search(rf"\n(?:- |<a id=\"[^\"]*\"></a>)?\*\*{re.escape(title)}\*\*(.*?)(?=\n\n|\n- )", text, re.S)
+    if not m:
+        raise SystemExit(f"{path}: no paragraph \"{title}\"")
+    return " ".join(m[1].split())
+
+
+def behind(path, title, links):
+    """The numbers behind an answer, folded: that paragraph, with its place."""
+    text = links.page(re.sub(r"\]\((\w+\.md)", r"](../docs/\1", paragraph(path, title)))
+    text = text.replace("](../", "](")    # the first pages are above
+    title = re.sub(r"\$(\w)_?(\w?)\$", r"\1\2", title)    # a summary has no formulas
+    return folded(f"The numbers behind it: {title}", f"{text} [→]({path})")
+
+
+def choice(of):
+    """What the form of which.md knows of each variant: from the README's table, the bench, and the claims of the study
+    choose that hold, "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
+    law = r"(.*): (?:(\d) )?log2 kappa \+ c with c from (\d+) to (\d+)"
+    laws = [(int(m[2] or 1), m[1], [int(m[3]), int(m[4])])
+            for claim, verdict, _ in next(s for s in of.studies if s["name"] == "choose")["verdicts"]
+            if verdict == "holds" and (m := re.match(law, claim))]
+    speed, rows = read("docs/speed.md"), []
+    for h in of.headers:
+        row = of.readme.get(h.name, ["", "", "no", ""])
+        slope = int(row[-1][0]) if row[-1][:1].isdigit() else 0
+        rows.append({
+            "name": h.name, "sparse": h.sparse, "free": h.free, "slope": slope,
+            "constant": next((c for s, who, c in laws if s == slope and (h.name in re.split(r", ?", who) or
+                                                                        who == "factor forms")), None),
+            "asymmetric": "Antisymmetric" in h.prose or "antisymmetric part of a rounding error grows" in h.prose,
+            "later": f"`{h.name}` *" in speed,
+            "ns": {d: round(of.times[h.name, "double", d]) for d in sizes if (h.name, "double", d) in of.times}})
+    return json.dumps(rows).replace("</", "<\\/")
+
+
+def filled(path, given, links):
+    """A text of site/pages/: {{NAME}} is given; {{said PATH | TITLE}} is the numbers behind the answer above it."""
+    text = re.sub(r"\]\((?:\.\./){1,2}", "](", read(path))    # as the pages stand at the top of the site
+    text = re.sub(r"\{\{said (\S+) \| (.*?)\}\}", lambda m: behind(m[1], m[2], links), text)
+    for name, value in given.items():
+        text = text.replace(f"{{{{{name}}}}}", value if isinstance(value, str) else "")
+    return re.sub(r"(?<![\[`])`(\w+)`(?!`)", lambda m: links.name(m[0]).replace("](../", "]("), text)

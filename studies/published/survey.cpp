@@ -1,0 +1,297 @@
+// What `rlslab compare` shows of real records: which form keeps how many digits, which breaks down, and whether the one
+// that compare names is within half a digit of the best.
+#include "compare/recommend.hpp"
+#include "studies/published/survey_data.hpp"
+
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab::studies {
+namespace {
+
+using namespace compare;
+using namespace survey_data;
+
+std::vector<std::string> const words_compared{"bfloat16", "binary16", "float", "double"}, long_words{"float", "double"};
+
+std::optional<Comparison> compared(Records const& records, Trial const& trial) {
+    CompareOptions options{.forgetting = trial.number("lambda"),
+                           .arithmetics = words_compared,
+                           .seed = trial.seed({"record"}).state,
+                           .threads = 1,
+                           .timings = false};
+    if (Cell const& prior = trial.value("prior"); std::holds_alternative<double>(prior))
+        options.p0 = std::get<double>(prior);
+    Problem<double> const problem{
+        .size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
+    if (certified(problem, records, {records.rows()}).front().status() == Status::singular) return {};
+    return compare::compare(records, options);
+}
+
+std::string named_in(std::optional<Comparison> const& comparison, std::string const& word) {
+    if (comparison)
+        for (Recommendation const& r : comparison->recommendations)
+            if (r.arithmetic == word) return r.variant;
+    return "";
+}
+
+void measure(Trial const& trial, TrialOutput& out) {
+    Records const natural = records_of(trial.text("record")),
+                  records = trial.text("units") == "natural" ? natural : scaled(natural);
+    std::optional<Comparison> const all = compared(records, trial), half = compared(first_half(records), trial);
+    if (!all) return;
+    for (std::string const& word : words_compared) {
+        std::vector<Result const*> single, sound;
+        for (Result const& r : all->results)
+            if (r.entry->arithmetic->name == word && takes_single_rows(r)) {
+                single.push_back(&r);
+                if (is_sound(r)) sound.push_back(&r);
+            }
+        std::string const named = named_in(all, word), by_half = named_in(half, word);
+        for (Result const* const r : single) {
+            double const none = std::nan("");
+            auto const middle = [&](Spread PerMeasure<Spread>::*of) {
+                return r->spread ? ((*r->spread).*of).median : none;
+            };
+            std::string const variant(r->entry->variant);
+            out({word, variant, middle(&PerMeasure<Spread>::theta), middle(&PerMeasure<Spread>::worst),
+                 middle(&PerMeasure<Spread>::covariance), is_sound(*r) ? loss_of(*r, sound).digits : double(INFINITY),
+                 r->runs ? double(r->broken) / r->runs : 1.0, r->breakdown ? double(r->breakdown->step) : none,
+                 double(variant == named), double(variant == by_half)});
+        }
+    }
+}
+
+/// Of these rows, the share for which it holds; estimated over the records.
+Statistic share(std::string column, bool (*holds)(double), Estimate estimate = Estimate::share) {
+    return Statistic(
+               [=](Table const& t) {
+                   std::vector<double> const x = t.numbers(column);
+                   return double(std::ranges::count_if(x, holds)) / double(x.size());
+               },
+               estimate)
+        .over("record");
+}
+bool is_positive(double x) { return x > 0; }
+bool is_half_a_digit(double x) { return x <= 0.5; }
+bool is_a_digit(double x) { return x <= 1; }
+Statistic const breaks_down = share("broken", is_positive), hits = share("loss", is_half_a_digit);
+
+Table in(Table const& t, std::vector<std::string> const& some_words) { return t.where("word", some_words); }
+Table proposed(Table const& t) { return t.where("prior", "proposed"); }
+Statistic const loss = median("loss").over("record");
+
+/// Judges the median over records of what each form loses more than ud, each record's the median over its cells.
+Judgement loses_more_than_ud(Table const& t, std::vector<std::string> const& variants) {
+    std::vector<Judgement> parts;
+    for (std::string const& variant : variants) {
+        Statistic const more([=](Table const& of) {
+            double const own = median("loss")(of.where("variant", variant)),
+                         ud = median("loss")(of.where("variant", "ud"));
+            return own == ud ? 0.0 : own - ud;
+        });
+        parts.push_back(
+            labelled(variant, within(t.where("variant", {variant, "ud"}), {"word"}, more.over("record"), 0, INFINITY)));
+    }
+    return together(parts);
+}
+
+std::vector<std::string> const factored{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+
+}  // namespace
+
+extern Study const survey;
+Study const survey{
+    .name = "survey",
+    .question =
+        "On real records, which form keeps how many digits, who breaks down, and is what compare names the best?",
+    .source = "data/survey: data sets of R, statsmodels, scikit-learn and NIST; the rules of docs/compare.md",
+    .formula = R"tex(\text{loss}_v = \max_{m \in \{\theta,\ \theta_{\text{worst}},\ P\}}
+                 (\max_{w\ \text{sound}} \text{digits}_m(w) - \text{digits}_m(v)))tex",
+    .interpretation =
+        "A cell is a record in its units or scaled, with a prior, lambda and a word. Digits are medians over checkpoints "
+        "and, where lambda = 1, four orders of rows, as compare counts them. A form that broke down has an infinite "
+        "loss. What compare names is judged twice: named by the whole record, and named by its first half and judged "
+        "on the whole. Intervals are over records; they speak of records like these, under these rules.",
+    .data = "a third of the 326 records of data/survey, each at most 200 rows; at the quick budget five",
+    .factors =
+        [](Budget budget) {
+            std::vector<Cell> records;
+            std::vector<std::string> const all = used();
+            for (size_t i = 0; i < all.size(); ++i)
+                if (budget == Budget::full ? i % 3 == 0 : in_program(all[i]) && all[i] != "NIST.filip")
+                    records.emplace_back(all[i]);
+            return std::vector<Factor>{{"record", records},
+                                       {"units", {"natural", "scaled"}},
+                                       {"prior", {1e2, Prior<double>{}.variance, 1e8, "proposed"}},
+                                       {"lambda", {1.0, 0.99}}};
+        },
+    .measures = {"word", "variant", "theta", "worst", "P", "loss", "broken", "broken_at", "named", "named_by_half"},
+    .measure = measure,
+    .plots = {{.title = "Loss of each form, natural units",
+               .x = "prior",
+               .y = "loss",
+               .panel = "word",
+               .log = "x",
+               .x_label = "prior variance c²",
+               .y_label = "digits lost to the best",
+               .where = {{"units", {"natural"}}, {"prior", {"100", "16384", "1e+08"}}, {"word", long_words}}},
+              {.title = "Loss of each form, scaled",
+               .x = "prior",
+               .y = "loss",
+               .panel = "word",
+               .log = "x",
+               .x_label = "prior variance c²",
+               .y_label = "digits lost to the best",
+               .where = {{"units", {"scaled"}}, {"prior", {"100", "16384", "1e+08"}}, {"word", long_words}}}},
+    .claims =
+        {
+            {"float, natural units: conventional loses definiteness in 30 to 80 % of a record's cells",
+             [](Table const& t) {
+                 Table const at = in(t, {"float"}).where("variant", "conventional").where("units", "natural");
+                 return within(at, {}, breaks_down, 0.3, 0.8);
+             },
+             own_result("set before the run")},
+            {"float, scaled: in 5 to 50 %",
+             [](Table const& t) {
+                 Table const at = in(t, {"float"}).where("variant", "conventional").where("units", "scaled");
+                 return within(at, {}, breaks_down, 0.05, 0.5);
+             },
+             own_result("set before the run")},
+            {"double: in at most 10 %",
+             [](Table const& t) {
+                 return within(in(t, {"double"}).where("variant", "conventional"), {}, breaks_down, 0, 0.1);
+             },
+             own_result("set before the run")},
+            {"factor forms, float and double: most records have no cell with a breakdown, for each form",
+             [](Table const& t) {
+                 return within(in(t, long_words).where("variant", factored), {"variant", "word"},
+                               greatest("broken").over("record"), 0, 0);
+             },
+             own_result("docs/theory.md 34; set before the run")},
+            {"float and double: the median loss of ud is at most 0.5 digits",
+             [](Table const& t) { return within(in(t, long_words).where("variant", "ud"), {"word"}, loss, 0, 0.5); },
+             own_result("set before the run")},
+            {"and of carlson, qr, gentleman and inverse_qr 0.2 to 1.5",
+             [](Table const& t) {
+                 return within(in(t, long_words).where("variant", {"carlson", "qr", "gentleman", "inverse_qr"}),
+                               {"variant", "word"}, loss, 0.2, 1.5);
+             },
+             own_result("set before the run")},
+            {"no other form has a median loss below that of ud",
+             [](Table const& t) {
+                 return loses_more_than_ud(
+                     in(t, long_words),
+                     {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "kalman",
+                      "information", "potter", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"});
+             },
+             own_result("set before the run")},
+            {"double, the proposed prior: symmetric loses 0.3 to 2.5 digits in the median",
+             [](Table const& t) {
+                 return within(proposed(in(t, {"double"})).where("variant", "symmetric"), {"units"}, loss, 0.3, 2.5);
+             },
+             own_result("set before the run")},
+            {"c^2 = 1e8, natural units: it loses 3 digits or more in double",
+             [](Table const& t) {
+                 Table const at = in(t, {"double"}).where("units", "natural").where("prior", 1e8);
+                 return within(at.where("variant", "symmetric"), {}, loss, 3, INFINITY);
+             },
+             own_result("set before the run")},
+            {"double, the proposed prior: in at least 60 % of cells every form keeps 6 digits of the worst component",
+             [](Table const& t) {
+                 Statistic const all_keep([](Table const& of) {
+                     double good = 0, cells = 0;
+                     for (auto const& [name, cell] : of.groups({"units", "lambda"})) {
+                         std::vector<double> const digits = cell.numbers("worst");
+                         good += std::ranges::all_of(digits, [](double x) { return x >= 6; }), ++cells;
+                     }
+                     return good / cells;
+                 });
+                 return within(proposed(in(t, {"double"})), {}, all_keep.as(Estimate::share).over("record"), 0.6, 1);
+             },
+             own_result("set before the run")},
+            {"binary16, natural units, C++'s default prior: every form breaks down in 30 to 90 % of cells",
+             [](Table const& t) {
+                 Statistic const all_break([](Table const& of) {
+                     double bad = 0, cells = 0;
+                     for (auto const& [name, cell] : of.groups({"lambda"})) bad += least("broken")(cell) > 0, ++cells;
+                     return bad / cells;
+                 });
+                 Table const at =
+                     in(t, {"binary16"}).where("units", "natural").where("prior", Prior<double>{}.variance);
+                 return within(at, {}, all_break.as(Estimate::share).over("record"), 0.3, 0.9);
+             },
+             own_result("set before the run")},
+            {"compare names a form in at least 75 % of cells in double and 30 % in float",
+             [](Table const& t) {
+                 auto const naming = [&](char const* word, double least_share) {
+                     Statistic const some([](Table const& of) {
+                         double named = 0;
+                         auto const cells = of.groups({"units", "prior", "lambda"});
+                         for (auto const& [name, cell] : cells) named += greatest("named")(cell) > 0;
+                         return named / double(cells.size());
+                     });
+                     return labelled(
+                         word, within(in(t, {word}), {}, some.as(Estimate::share).over("record"), least_share, 1));
+                 };
+                 return naming("double", 0.75) && naming("float", 0.3);
+             },
+             own_result("set before the run")},
+            {"what compare names loses at most half a digit in at least 95 % of these records' cells",
+             [](Table const& t) {
+                 return within(in(t, long_words).where("named", 1.0), {"word"},
+                               share("loss", is_half_a_digit, Estimate::fixed), 0.95, 1);
+             },
+             own_result("the survey's goal; set before the run")},
+            {"named by the first half: at most half a digit in at least 70 % of cells of the whole",
+             [](Table const& t) {
+                 return within(in(t, long_words).where("named_by_half", 1.0), {"word"}, hits, 0.7, 1);
+             },
+             own_result("set before the run")},
+            {"and at most one digit in at least 90 % of these records' cells",
+             [](Table const& t) {
+                 return within(in(t, long_words).where("named_by_half", 1.0), {"word"},
+                               share("loss", is_a_digit, Estimate::fixed), 0.9, 1);
+             },
+             own_result("set before the run")},
+            {"and it breaks down in at most 2 % of them",
+             [](Table const& t) {
+                 return within(in(t, long_words).where("named_by_half", 1.0), {"word"},
+                               share("broken", is_positive, Estimate::fixed), 0, 0.02);
+             },
+             own_result("set before the run")},
+            {"where the first half names a form, it is within half a digit not less often than ud always: by -3 to 30 %",
+             [](Table const& t) {
+                 Statistic const gain([](Table const& of) {
+                     double more = 0;
+                     auto const cells = of.groups({"units", "prior", "lambda"});
+                     double judged = 0;
+                     for (auto const& [name, cell] : cells) {
+                         Table const named = cell.where("named_by_half", 1.0);
+                         if (named.empty()) continue;
+                         more += is_half_a_digit(named.number("loss")), ++judged;
+                         more -= is_half_a_digit(cell.where("variant", "ud").number("loss"));
+                     }
+                     return judged > 0 ? more / judged : 0;
+                 });
+                 return within(in(t, long_words), {"word"}, gain.as(Estimate::mean).over("record"), -0.03, 0.3);
+             },
+             own_result("set before the run")},
+            {"float, c^2 = 1e8: scaled columns give symmetric one digit of the worst component or more",
+             [](Table const& t) {
+                 Statistic const gain([](Table const& of) {
+                     double const scaled = median("worst")(of.where("units", "scaled")),
+                                  natural = median("worst")(of.where("units", "natural"));
+                     return scaled == natural ? 0.0 : scaled - natural;
+                 });
+                 Table const at = in(t, {"float"}).where("prior", 1e8).where("variant", "symmetric");
+                 return within(at, {}, gain.over("record"), 1, INFINITY);
+             },
+             own_result("set before the run")},
+        },
+};
+
+}  // namespace rlslab::studies

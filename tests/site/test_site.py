@@ -1,0 +1,159 @@
+"""What the documentation site is made of, without Sphinx: formulas, links among the sources, numbers of the first
+pages. With the name of the program as last word: also what is recorded of it."""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+root = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(root / "site"))
+import api       # noqa: E402
+import build     # noqa: E402
+import check     # noqa: E402
+import header    # noqa: E402
+import pages     # noqa: E402
+
+program = None
+
+
+def plain(text):
+    """A formula of a header as letters and signs alone; a sentence of it by its words."""
+    return re.sub(r"[\s{}_]|[,;:.]$", "", re.sub(r"[,;:](?=\s|$)", "", text))
+
+
+def back(latex):
+    """LaTeX that header.py wrote, as the header has it."""
+    latex = re.sub(r"\\text\{((?:[^{}])*)\}", lambda m: m[1].replace(r"\_", "_"), latex)
+    while r"\sqrt{" in latex:
+        at = latex.index(r"\sqrt{")
+        depth, end = 0, at + 5
+        while True:
+            depth += (latex[end] == "{") - (latex[end] == "}")
+            if depth == 0:
+                break
+            end += 1
+        inside = latex[at + 6:end]
+        latex = latex[:at] + f"sqrt({inside})" + latex[end + 1:]
+    for written, sign in ((r"\mathrel{+}=", "+="), (r"\mathrel{-}=", "-="), (r"\le ", "<="), (r"\ge ", ">="),
+                          (r"\to ", "->"), (r"\mp ", "-+"), (r"\dots", "..."), (r"\ast", "*"), (r"\quad", " "),
+                          (r"\times", "x"), (r"\prod", "prod"), (r"\ ", " ")):
+        latex = latex.replace(written, sign)
+    powers = re.sub(r"\^\{([^}]*)\}", lambda m: f"^({m[1]})" if len(m[1]) > 3 else f"^{m[1]}", latex)
+    return plain(powers.replace("\\", ""))
+
+
+def differing(h):
+    """Numbered formulas of a header whose LaTeX does not lead back to them. Drawn matrices: their cells, in order."""
+    out = []
+    for lines, made in zip(h.blocks, h.text()):
+        if not lines[0].startswith("  "):
+            continue
+        latex = re.sub(r"\\(begin|end)\{\w+\}|\$\$|&|\\\\(?=\s)", " ", made)
+        ours, theirs = back(latex), plain(" ".join(lines))
+        if "bmatrix" in made:
+            ours, theirs = (sorted(re.sub(r"[\[\]]", "", t)) for t in (ours, theirs))
+        if ours != theirs:
+            out.append((theirs, ours))
+    return out
+
+
+def said(*words):
+    """What a command says on standard error."""
+    return subprocess.run([str(w) for w in words], capture_output=True, text=True).stderr
+
+
+class Formulas(unittest.TestCase):
+    def test_they_are_those_that_were_read(self):
+        self.assertEqual(said(sys.executable, root / "site/header.py", "--check"), "")
+
+    def test_each_leads_back_to_its_header(self):
+        for h in header.variants():
+            self.assertEqual(differing(h), [], h.name)
+
+    def test_another_sign_or_letter_is_seen(self):
+        h = next(h for h in header.variants() if h.name == "potter")
+        text = h.text()
+        for was, now in (("- v f'", "+ v f'"), ("lambda s", "lambda f"), ("S f", "S f'")):
+            h.blocks = [[line.replace(was, now) for line in b] for b in h.blocks]
+            self.assertNotEqual(h.text(), text)
+            self.assertEqual(differing(h), [])
+
+    def test_words_stay_words(self):
+        self.assertEqual(header.sentences("A band of d numbers, as theta is: x_j = u b, for P (R theta = z)."),
+                         "A band of $d$ numbers, as $\\theta$ is: $x_{j} = u b$, for $P$ ($R \\theta = z$).")
+        self.assertEqual(header.latex(header.cut("sqrt(lambda)^B x_{i+1}' <= |K_j|^2, and for each")),
+                         r"{\sqrt{\lambda}}^{B} x_{i+1}' \le | K_{j} |^{2},\ \text{and for each}")
+
+
+class Sources(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        try:
+            import sphinx    # noqa: F401
+        except ImportError:
+            api.python_page = lambda: ""
+        cls.site = build.Site(build.sources())
+
+    def test_each_variant_and_study_has_its_page(self):
+        listed = set(re.findall(r"<rlslab/variants/(\w+)\.hpp>", (root / "variants/variants.hpp").read_text()))
+        self.assertEqual({h.name for h in header.variants()}, listed)
+        for name in listed:
+            self.assertIn(f"variants/{name}.md", self.site.texts)
+        for study in pages.studies():
+            self.assertIn(f"studies/{study['name']}.md", self.site.texts)
+            for field in ("question", "source", "interpretation", "data"):
+                self.assertTrue(study[field], f"{study['name']}: no {field}")
+
+    def test_links_lead_to_pages_or_files(self):
+        for name in self.site.texts:
+            self.site.page(name)
+        with self.assertRaises(SystemExit):
+            self.site.target("docs/state.md", "nowhere.md")
+
+    def test_each_page_is_reached(self):
+        tree = "".join(t for t in self.site.texts.values() if "{toctree}" in t)
+        for name in self.site.texts:
+            stem = re.sub(r"\.(md|rst)$", "", name)
+            self.assertTrue(stem == "index" or f"<{stem}>" in tree or f"<{stem.split('/', 1)[-1]}>" in tree or
+                            f"<{'/'.join(stem.split('/')[-1:])}>" in tree, name)
+
+    def test_numbers_of_an_answer_are_among_those_behind_it(self):
+        text = (root / "site/pages/which.md").read_text()
+        for answer, path, title in re.findall(r"((?:(?!\n\n).)+)\n\n\{\{said (\S+) \| (.*?)\}\}", text, re.S):
+            behind = pages.paragraph(path, title)
+            item = answer.split("\n- ")[-1]
+            for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", item):
+                self.assertRegex(behind, rf"(?<![\d.]){re.escape(number)}(?!\d)", f"{title}: {item}")
+
+    def test_a_dead_link_and_a_request_are_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "a.html"
+            page.write_text('<a href="b.html">b</a><a href="#c">c</a><script src="//d.example/e.js"></script>'
+                            '<p id="f"></p><a href="#f">f</a>')
+            faults, links, _ = check.site(pathlib.Path(folder))
+        self.assertEqual([re.sub(".*?: ", "", f, count=1) for f in faults],
+                         ["asks //d.example/e.js", "b.html: no such file", "#c: no such name there"])
+        self.assertEqual(links, 3)
+
+
+class Recorded(unittest.TestCase):
+    def setUp(self):
+        if not program:
+            self.skipTest("no program named")
+
+    def test_help_and_terminal_are_what_the_program_prints(self):
+        for script in ("commands.py", "terminal.py"):
+            self.assertEqual(said(sys.executable, root / "site" / script, program, "--check"), "")
+
+    def test_factors_of_studies_are_the_programs(self):
+        for study in pages.studies():
+            refusal = said(program, "study", study["name"], "--set", "no factor=1")
+            self.assertEqual(study["factors"], refusal.strip().split("its factors are ")[-1].split(", "))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1 and "/" in sys.argv[-1]:
+        program = sys.argv.pop()
+    unittest.main()
