@@ -45,8 +45,9 @@ public:
 
     Step<T> update(T const& u, T const& y) {
         T eta = u, beta = u, gamma = T(1), e = y;
-        bool finite = true;
-        for (Index m = 0; m < size(); ++m) {
+        Truth<T> finite = true;
+        Index const d = detail::taps_of(size());
+        for (Index m = 0; m < d; ++m) {
             T const beta_before = beta_[m], B_before = B_[m], gamma_before = gamma_[m], weighed = gamma * beta;
             B_[m] = lambda_ * B_before + weighed * beta;                                                 // (1)
             T const by_B = weighed / B_[m];
@@ -54,7 +55,7 @@ public:
             h_[m] += by_B * e;
             beta_[m] = beta;
             gamma_[m] = gamma;
-            if (m + 1 < size()) {
+            if (m + 1 < d) {
                 T const eta_weighed = gamma_before * eta;
                 F_[m] = lambda_ * F_[m] + eta_weighed * eta;                                             // (3)
                 beta = beta_before - k_b_[m] * eta;                                                      // (5)

@@ -29,8 +29,8 @@ FastProblem<T> const& checked(FastProblem<T> const& problem, int fixed_size = Dy
     Index const size = implied ? fixed_size : problem.size;
     expects(size >= 1, "size >= 1");
     expects(fixed_size == Dynamic || size == fixed_size, "size equal to the form's fixed size");
-    expects(is_forgetting_factor(problem.forgetting), "0 < forgetting <= 1");
-    expects(T(0) < problem.energy, "energy > 0");
+    expects(all(is_forgetting_factor(problem.forgetting)), "0 < forgetting <= 1");
+    expects(all(T(0) < problem.energy), "energy > 0");
     return problem;
 }
 
@@ -38,13 +38,19 @@ namespace detail {
 /// The step of a form that keeps gamma from row to row. Where it should be 1, rounding may carry it beyond: health is
 /// indefinite only if more than half of its digits are gone.
 template <Field T>
-Step<T> step_of_kept(T const& e, T const& gamma, bool finite) {
+Step<T> step_of_kept(T const& e, T const& gamma, Truth<T> const& finite) {
     Step<T> step = step_of(e, gamma);
     if constexpr (Real<T>) {
         T const rounding = T(std::ldexp(1.0, -significand_bits<T>() / 2));
-        if (step.health == Health::indefinite && T(1) < gamma && gamma - T(1) < rounding) step.health = Health::sound;
+        Truth<T> const by_rounding = T(1) < gamma && gamma - T(1) < rounding && is_finite(e);
+        step.health = select(by_rounding, PerLane<T, Health>(Health::sound), step.health);
     }
     return if_finite(finite, step);
+}
+/// A form that was moved from has no taps and refuses every sample.
+inline Index taps_of(Index size) {
+    expects(size > 0, "a form that was not moved from");
+    return size;
 }
 }  // namespace detail
 
@@ -57,7 +63,8 @@ Step<T> step_of_kept(T const& e, T const& gamma, bool finite) {
 ///                                            gamma and health. Allocates nothing. Breakdown is Step::health, never an
 ///                                            exception: indefinite where gamma left [0, 1], nonfinite for an infinity
 ///                                            or a NaN, by the next row at the latest. A NaN never leaves the
-///                                            recursion: start anew
+///                                            recursion: start anew. Throws std::invalid_argument
+///                                            where the form was moved from
 ///              size()                        d
 /// Unchecked:   determinism; that copying copies the whole state (tests/fast check these).
 /// These are no variants of the list: they take a sample, not a regressor, and hold neither P nor R.

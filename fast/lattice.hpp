@@ -46,8 +46,9 @@ public:
 
     Step<T> update(T const& u, T const& y) {
         T f = u, b = u, gamma = T(1), e = y;
-        bool finite = true;
-        for (Index m = 0; m < size(); ++m) {
+        Truth<T> finite = true;
+        Index const d = detail::taps_of(size());
+        for (Index m = 0; m < d; ++m) {
             T const b_before = b_[m], B_before = B_[m], gamma_before = gamma_[m], apriori = b / gamma;
             B_[m] = lambda_ * B_before + b * apriori;                                                    // (1)
             T const by_B = b / B_[m];
@@ -55,7 +56,7 @@ public:
             e -= rho_[m] * by_B;
             b_[m] = b;
             gamma_[m] = gamma;
-            if (m + 1 < size()) {
+            if (m + 1 < d) {
                 T const f_apriori = f / gamma_before;
                 F_[m] = lambda_ * F_[m] + f * f_apriori;                                                 // (3)
                 Delta_[m] = lambda_ * Delta_[m] + f_apriori * b_before;                                  // (4)

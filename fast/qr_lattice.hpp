@@ -46,7 +46,8 @@ public:
 
     Step<T> update(T const& u, T const& y) {
         T f = u, b = u, e = y, root_gamma = T(1);
-        for (Index m = 0; m < size(); ++m) {
+        Index const d = detail::taps_of(size());
+        for (Index m = 0; m < d; ++m) {
             T const b_before = b_[m];
             Rotation<T> const before{c_[m], s_[m], T(0)}, turn = givens(T(root_lambda_ * beta_[m]), b);  // (1)
             beta_[m] = turn.r;
@@ -55,7 +56,7 @@ public:
             c_[m] = turn.c;
             s_[m] = turn.s;
             root_gamma *= turn.c;
-            if (m + 1 < size()) {
+            if (m + 1 < d) {
                 Rotation<T> const ahead = givens(T(root_lambda_ * phi_[m]), f);                          // (4)
                 phi_[m] = ahead.r;
                 b = b_before;

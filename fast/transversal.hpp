@@ -44,7 +44,7 @@ public:
     }
 
     Step<T> update(T const& u, T const& y) {
-        Index const d = size();
+        Index const d = detail::taps_of(size());
         T const* const x = line_.push(u).data();    // u_k ... u_{k-d}
         T const e = y - dot<N>(theta_.data(), x, d);
         T const e_f = x[0] - dot<N>(a_.data(), x + 1, d), past = lambda_ * F_, q = e_f / past;          // (1)

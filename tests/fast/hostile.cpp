@@ -3,6 +3,7 @@
 #include "tests/fast/samples.hpp"
 
 #include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/fast/fast.hpp>
 #include <rlslab/variants/qr.hpp>
@@ -171,6 +172,45 @@ TEST(Fast, MisuseThrows) {
         EXPECT_THROW(F({.size = 2, .energy = std::nan("")}), std::invalid_argument);
     });
     EXPECT_THROW((Transversal<double, 3>({.size = 2})), std::invalid_argument);
+}
+TEST(Fast, AFormThatWasMovedFromRefusesEverySample) {
+    for_each(FastForms<double>{}, []<class F> {
+        F form({.size = 3});
+        form.update(1, 1);
+        F other = std::move(form);
+        EXPECT_THROW(form.update(1, 1), std::invalid_argument) << F::name;
+        EXPECT_EQ(other.update(0, 0).health, Health::sound) << F::name;
+    });
+}
+/// Each lane of a pack has the bits of the form alone, also where another lane has broken down.
+template <class Lanes, class Alone>
+void expect_lanes() {
+    using T = typename Alone::scalar;
+    Lanes lanes({.size = 4, .forgetting = Pack<T, 8>(T(0.96875))});
+    std::vector<Alone> alone(8, Alone({.size = 4, .forgetting = T(0.96875)}));
+    std::vector<std::vector<std::pair<double, double>>> rows;
+    for (std::uint64_t i = 0; i < 8; ++i) rows.push_back(samples(900, 20 + i, i == 3 ? 1e-9 : 1));
+    rows[5][40].first = std::nan("");
+    for (size_t k = 0; k < rows[0].size(); ++k) {
+        Pack<T, 8> u, y;
+        for (int i = 0; i < 8; ++i) {
+            u.set(i, T(rows[size_t(i)][k].first));
+            y.set(i, T(rows[size_t(i)][k].second));
+        }
+        auto const step = lanes.update(u, y);
+        for (int i = 0; i < 8; ++i) {
+            Step<T> const one = alone[size_t(i)].update(u[i], y[i]);
+            ASSERT_TRUE(same(one, Step<T>{step.innovation[i], step.residual[i], step.gamma[i], step.health[i]}))
+                << Alone::name << ' ' << k << ' ' << i;
+        }
+    }
+}
+TEST(Fast, LanesHaveTheBitsOfTheFormAlone) {
+    expect_lanes<Transversal<Pack<double, 8>>, Transversal<double>>();
+    expect_lanes<StabilisedTransversal<Pack<float, 8>>, StabilisedTransversal<float>>();
+    expect_lanes<Lattice<Pack<double, 8>>, Lattice<double>>();
+    expect_lanes<ErrorFeedbackLattice<Pack<float, 8>>, ErrorFeedbackLattice<float>>();
+    expect_lanes<QrLattice<Pack<double, 8>>, QrLattice<double>>();
 }
 TEST(Fast, RunInAnyWordLength) {
     PrecisionScope const precision(12);

@@ -12,6 +12,7 @@ foreach(component headers kernels native library c core catalogue studies bench 
   list(APPEND parts ${${component}})
 endforeach()
 expect("${headers}" "include/rlslab/variants/ud.hpp" "headers")
+expect("${headers}" "include/rlslab/fast/fast.hpp" "headers")
 expect("${headers}" "include/rlslab/catalogue/native/filter.hpp" "headers")
 expect("${headers}" "rlslabConfig.cmake" "headers")
 expect_not("${headers}" "[^;]*(\\.a|bin/)[^;]*" "headers")
