@@ -79,7 +79,8 @@ class Site:
         text = re.sub(r"\{\{live (\w+) (\w+)\}\}", lambda m: (
             f"[Take bits away from it, and change its data, in the live page]({up}#variant={m[1]})"
             if live.exists() and (not shown or f"{m[2]}<" in shown[1]) else ""), text)
-        drawn = "![Digits that variants keep, row by row](docs/live.svg)\n\n" if (root / "docs/live.svg").exists() else ""
+        picture = root / "docs/live.svg"
+        drawn = "![Digits that variants keep, row by row](docs/live.svg)\n\n" if picture.exists() else ""
         text = text.replace("{{live}}", f"{drawn}[The live page]({up}): the library itself in your browser. Take bits "
                             "away, and watch which variant breaks first." if live.exists() else "")
         if name.endswith(".rst"):
