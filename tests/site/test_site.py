@@ -144,8 +144,7 @@ class Recorded(unittest.TestCase):
             self.skipTest("no program named")
 
     def test_help_and_terminal_are_what_the_program_prints(self):
-        for script in ("commands.py", "terminal.py"):
-            self.assertEqual(said(sys.executable, root / "site" / script, program, "--check"), "")
+        self.assertEqual(said(sys.executable, root / "site/recorded.py", program, "--check"), "")
 
     def test_factors_of_studies_are_the_programs(self):
         for study in pages.studies():
