@@ -39,7 +39,9 @@ def sources():
     for page, below in below_index.items():
         lines = [f"{b.split('/')[0]} <{b}>" for b in below]
         out[f"{page}.md"] += "\n```{toctree}\n:hidden:\n:titlesonly:\n\n" + "\n".join(lines) + "\n```\n"
-    given = {"tabs": pages.start_tabs(), "picked": pages.choice(of)}
+    first = (here / "pages/start.md").read_text()
+    others = [p[:-3] for p in out if re.match(r"(docs/)?\w+\.md", p) and f"<{p[:-3]}>" not in first]
+    given = {"tabs": pages.start_tabs(), "picked": pages.choice(of), "others": "\n".join(others)}
     out |= {"index.md": pages.filled("site/pages/start.md", given, of.links),
             "which.md": pages.filled("site/pages/which.md", given, of.links)}
     return out
@@ -77,8 +79,10 @@ class Site:
         text = re.sub(r"\{\{live (\w+) (\w+)\}\}", lambda m: (
             f"[Take bits away from it, and change its data, in the live page]({up}#variant={m[1]})"
             if live.exists() and (not shown or f"{m[2]}<" in shown[1]) else ""), text)
-        text = text.replace("{{live}}", f"[The live page]({up}): the library itself in your browser. Take bits away, "
-                            "and watch which variant breaks first." if live.exists() else "")
+        picture = root / "docs/live.svg"
+        drawn = "![Digits that variants keep, row by row](docs/live.svg)\n\n" if picture.exists() else ""
+        text = text.replace("{{live}}", f"{drawn}[The live page]({up}): the library itself in your browser. Take bits "
+                            "away, and watch which variant breaks first." if live.exists() else "")
         if name.endswith(".rst"):
             return text
         apart = (r"(^(`{3,})(?!\{|`).*?^\2$|(?<!`)`[^`\n]+`(?!`)|"     # blocks and names of code

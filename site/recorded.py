@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Writes site/terminal.svg: a run of the program in a terminal, its lines as they were printed.
+"""What the site has of the program: docs/commands.md, its help, and site/terminal.svg, a run of it in a terminal.
 
-terminal.py PROGRAM          writes it
-terminal.py PROGRAM --check  says whether it differs
+recorded.py PROGRAM          writes them
+recorded.py PROGRAM --check  says which of them differ
 """
 import html
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
-picture = root / "site/terminal.svg"
 typed = ["compare data/sales.csv --input lead --output sales --order 2 --detrend --arithmetic float",
          "--variants conventional,joseph,ud,gentleman --no-timings"]
 whole = " ".join(typed)
@@ -23,6 +23,7 @@ style = """.t{font:12px ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace
 
 
 def drawn(lines):
+    """Lines of a terminal as a picture: the command is typed, then its answer appears line by line."""
     width = max(len(line) for line in lines) * glyph + 2 * left
     height = top + step * (len(lines) + 1)
     size = f'{width:.0f} {height}" width="{width:.0f}" height="{height}"'
@@ -43,14 +44,31 @@ def drawn(lines):
     return "\n".join(line for line in [*out, "</svg>"] if line) + "\n"
 
 
-def recorded(program):
+def said(program, *words):
+    run = subprocess.run([program, *words], cwd=root, capture_output=True, text=True, check=True)
+    return run.stdout.rstrip("\n")
+
+
+def terminal(program):
     """The command, folded as one types it, and what it prints."""
-    run = subprocess.run([program, *shlex.split(whole)], cwd=root, capture_output=True, text=True, check=True)
-    return [f"$ rlslab {typed[0]} \\", f"      {typed[1]}", *run.stdout.rstrip("\n").split("\n")]
+    answer = said(program, *shlex.split(whole)).split("\n")
+    return drawn([f"$ rlslab {typed[0]} \\", f"      {typed[1]}", *answer])
+
+
+def commands(program):
+    first = said(program, "help")
+    names = re.findall(r"^  (\w+) {2,}", first.split("Commands:")[1].split("Options:")[0], re.M)
+    text = ("# The program: its commands\n\nWritten by `site/recorded.py PROGRAM`; `man rlslab` has the same.\n\n"
+            f"```text\n{first}\n```\n")
+    return text + "".join(f"\n## {c}\n\n```text\n{said(program, 'help', c)}\n```\n" for c in names if c != "help")
 
 
 if __name__ == "__main__":
-    text = drawn(recorded(sys.argv[1]))
+    program = str(pathlib.Path(sys.argv[1]).resolve())
+    made = {"docs/commands.md": commands(program), "site/terminal.svg": terminal(program)}
+    wrong = [f"{path}: not what site/recorded.py writes" for path, text in made.items()
+             if not (root / path).exists() or (root / path).read_text() != text]
     if sys.argv[2:] == ["--check"]:
-        sys.exit(picture.read_text() != text and "site/terminal.svg is not what site/terminal.py writes now")
-    picture.write_text(text)
+        sys.exit("\n".join(wrong) if wrong else 0)
+    for path, text in made.items():
+        (root / path).write_text(text)
