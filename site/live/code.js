@@ -39,7 +39,8 @@ print(f.theta)
   const scope = hardware ? "" : `    // ${words.format(f)}
     rlslab::Format const format{${f.bits}, ${f.exponents === 10 ? "-1022, 1023"
       : `${2 - 2 ** (f.exponents - 1)}, ${2 ** (f.exponents - 1) - 1}`}};
-    rlslab::PrecisionScope const scope({format, rlslab::Rounding::${["nearest", "toward_zero", "stochastic"][f.rounding]}});
+    rlslab::PrecisionScope const scope({format, rlslab::Rounding::${
+      ["nearest", "toward_zero", "stochastic"][f.rounding]}});
 ${f.rounding === 2 ? "    rlslab::Seed seed{1};\n    rlslab::StochasticStream const stream(seed);\n" : ""}`;
   const covariance = scaled ? `    rlslab::Vector<T> p0(${d});
     p0 << ${p0.map(v => `T(${v})`).join(", ")};

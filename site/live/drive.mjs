@@ -70,7 +70,7 @@ async function hashes() {
     for (const [variant, hash] of Object.entries(one.hashes)) {
       ++all;
       equal += found[variant] === hash;
-      check(found[variant] === hash, `${variant} at ${JSON.stringify(one.settings)}: other bits than the native program`);
+      check(found[variant] === hash, `${variant} at ${JSON.stringify(one.settings)}: other bits than natively`);
     }
   }
   console.log(`hashes of theta after every row: ${equal} of ${all} equal the native program's`);
@@ -126,10 +126,11 @@ async function records() {
   }
 }
 async function drop(content, name = "mine.csv") {
-  await evaluate(`{ const carried = new DataTransfer();
+  await evaluate(`{ byId("own-message").textContent = "";
+    const carried = new DataTransfer();
     carried.items.add(new File([${JSON.stringify(content)}], "${name}", { type: "text/csv" }));
     window.dispatchEvent(new DragEvent("drop", { dataTransfer: carried, bubbles: true })); }`);
-  await pause(200);
+  await until("byId('own-message').textContent !== ''");
   await done();
   return evaluate("byId('own-message').textContent");
 }
@@ -147,6 +148,7 @@ async function files() {
     const said = await drop(content);
     check(said.includes(expected), `${JSON.stringify(content)}: ${said}`);
   }
+  check((await drop("u,y\n" + "1.234567,2.345678\n".repeat(1e6))).startsWith("20000 rows"), "a file of 18 MB");
   check((await drop("y\n" + "1\n2\n4\n3\n".repeat(9))).startsWith("36 rows of 1 parameter"), "a file of one column");
   await drop("u,y\n" + Array.from({ length: 50 }, (_, k) => `${k % 7},${k % 5}`).join("\n"));
   // What is to be pasted: C++ that compiles, Python that parses.
@@ -175,7 +177,8 @@ async function frames() {
 async function pictures() {
   for (const width of [1280, 420])
     for (const scheme of ["light", "dark"]) {
-      await send("Emulation.setDeviceMetricsOverride", { width, height: 900, deviceScaleFactor: 1, mobile: width < 500 });
+      await send("Emulation.setDeviceMetricsOverride",
+        { width, height: 900, deviceScaleFactor: 1, mobile: width < 500 });
       await send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: scheme }] });
       await open();
       await pause(300);
