@@ -40,7 +40,7 @@ function show(s) {
 function showAll() {
   settings.filter(s => words[s.name]).forEach(show);
   for (const { name } of variants) byId(`show-${name}`).checked = page.chosen.has(name);
-  for (const name of ofMadeRows) byId(`set-${name}`).disabled = page.record !== "";
+  for (const name of ofMadeRows) byId(`set-${name}`).parentElement.hidden = page.record !== "";
   byId("record").value = page.record;
   if (page.focus) byId("code-variant").value = page.focus;
   const r = facts.records.find(of => of.name === page.record);

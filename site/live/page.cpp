@@ -112,7 +112,8 @@ struct Page {
             bool const measured = taken % every == 0 || taken == source->rows();
             Vector<DoubleDouble> exact_psi(d);
             for (int j = 0; j < d; ++j) exact_psi[j] = DoubleDouble(psi[j]);
-            reference->update(exact_psi, DoubleDouble(y));
+            // What a guard is there for is skipped: then digits say what it missed.
+            if (now.guard == 0 || !source->at_outlier()) reference->update(exact_psi, DoubleDouble(y));
             exact.theta = reference->theta();
             if (measured) exact.P = covariance_of_stored(reference->stored());
             for (size_t v = 0; v < variants; ++v) {
