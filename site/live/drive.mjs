@@ -111,6 +111,10 @@ async function links() {
   await open(link);
   check(JSON.stringify(await evaluate("shown.summaries.map(s => hashOf(s))")) === JSON.stringify(before),
     "a copied link opens the same page");
+  check(await evaluate("!document.querySelector('#table a')"), "alone, the page leads nowhere");
+  await evaluate("document.documentElement.dataset.variants = '../variants/'; tabulate()");
+  check(await evaluate("document.querySelector('#table a').getAttribute('href')") === "../variants/ud.html",
+    "on a site, a variant leads to its page");
   check((await evaluate("csv()")).split("\n").length === 2002, "the numbers as CSV");
   check(/^<svg [\s\S]*<path [\s\S]*<\/svg>\n$/.test(await evaluate("svg()")) &&
     await evaluate(`!new DOMParser().parseFromString(svg(), "image/svg+xml").querySelector("parsererror")`),
