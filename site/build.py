@@ -143,7 +143,7 @@ def main(source, out):
             write(to if name.endswith((".svg", ".json", ".csv")) else to.with_name(to.name + ".txt"),
                   (root / name).read_text())
     if live.exists():
-        write(out / "live/index.html", live.read_text())
+        write(out / "live/index.html", live.read_text().replace('data-variants=""', 'data-variants="../variants/"'))
     for name in ("objects.inv", ".buildinfo"):
         (out / name).unlink(missing_ok=True)
     faults, links, count = check.site(out)

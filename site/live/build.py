@@ -23,7 +23,8 @@ def compiled(out):
     # -ffp-contract=off and no fast-math, as everywhere: every operation rounds once, in the order written.
     subprocess.run(["emcc", "-std=c++20", "-O2", "-fno-exceptions", "-ffp-contract=off", "-isystem",
                     "/usr/include/eigen3", "-I", root / "src", "-I", root, here / "page.cpp", here / "table.cpp",
-                    here / "fma.cpp", "--no-entry", "-Wl,--wrap=fma", "-o", out], check=True)
+                    here / "fma.cpp", "--no-entry", "-Wl,--wrap=fma",
+                    "-sALLOW_MEMORY_GROWTH=1", "-o", out], check=True)
     return base64.b64encode(gzip.compress(out.read_bytes(), 9, mtime=0)).decode()
 
 

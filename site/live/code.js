@@ -2,20 +2,21 @@
 
 const className = name => name.split("_").map(w => w[0].toUpperCase() + w.slice(1)).join("");
 
-/** Words after a comment's mark, in lines. */
-function commented(mark, list) {
+/** Words in lines of a given width; `mark` begins the first, `next` the others. */
+function inLines(mark, next, list) {
   const lines = [mark];
   for (const word of list) {
-    if ((lines[lines.length - 1] + word).length > 78) lines.push(mark + "   ");
+    if ((lines[lines.length - 1] + word).length > 90) lines.push(next);
     lines[lines.length - 1] += " " + word;
   }
   return lines.join("\n");
 }
+const listed = list => list.map((word, i) => word + (i + 1 < list.length ? "," : ""));
 /** f: variant, d, bits, exponents (bits; 10: double's), rounding, lambda, prior (of P0, scaled), names of the
  *  regressors (null: rows are made), scales, output, guard. */
 function programOf(language, f) {
   const d = f.d, scaled = f.scales.some(s => s !== 1), p0 = f.scales.map(s => f.prior / (s * s));
-  const list = f.names ? ["a row:", ...f.names.map((name, i) => name + (i + 1 < d ? "," : "")), `and y = ${f.output}`]
+  const list = f.names ? ["a row:", ...listed(f.names), `and y = ${f.output}`]
     : [`a row: psi, ${d} numbers, and y`];
   const hardware = f.bits === 53 ? ["double", "float64"] : f.bits === 24 && f.exponents >= 8 && f.rounding === 0
     ? ["float", "float32"] : null;
@@ -27,7 +28,7 @@ function programOf(language, f) {
     return `import numpy as np
 import rlslab
 
-${precision}${commented("#", list)}
+${precision}${inLines("#", "#   ", list)}
 f = rlslab.filter("${f.variant}", ${d}, forgetting=${f.lambda}, ` +
       `${scaled ? "prior_covariance" : "prior_variance"}=${prior}, dtype="${type}"${f.guard ? ', guard="reset"' : ""})
 steps = f.update_many(Psi, y, steps=True)   ` +
@@ -39,10 +40,11 @@ print(f.theta)
   const scope = hardware ? "" : `    // ${words.format(f)}
     rlslab::Format const format{${f.bits}, ${f.exponents === 10 ? "-1022, 1023"
       : `${2 - 2 ** (f.exponents - 1)}, ${2 ** (f.exponents - 1) - 1}`}};
-    rlslab::PrecisionScope const scope({format, rlslab::Rounding::${["nearest", "toward_zero", "stochastic"][f.rounding]}});
+    rlslab::PrecisionScope const scope({format, rlslab::Rounding::${
+      ["nearest", "toward_zero", "stochastic"][f.rounding]}});
 ${f.rounding === 2 ? "    rlslab::Seed seed{1};\n    rlslab::StochasticStream const stream(seed);\n" : ""}`;
   const covariance = scaled ? `    rlslab::Vector<T> p0(${d});
-    p0 << ${p0.map(v => `T(${v})`).join(", ")};
+${inLines("    p0 <<", "       ", listed(p0.map(v => `T(${v})`)))};
     problem.prior->covariance = rlslab::Matrix<T>(p0.asDiagonal());` : `    problem.prior->variance = T(${f.prior});`;
   return `${f.guard ? "#include <rlslab/adapt/guard.hpp>\n" : ""}${hardware ? ""
     : "#include <rlslab/arithmetic/variable_precision.hpp>\n"}#include <rlslab/variants/${f.variant}.hpp>
@@ -54,7 +56,7 @@ ${scope}    rlslab::Problem<T> problem{.size = ${d}, .forgetting = T(${f.lambda}
 ${covariance}
     ${f.guard ? `rlslab::Guarded<${name}, rlslab::resetting>` : name} filter(problem);
 
-${commented("    //", list)}
+${inLines("    //", "    //   ", list)}
     rlslab::Vector<T> psi = rlslab::Vector<T>::Zero(${d});
     T const y = T(0);
     auto const step = filter.update(psi, y);   // step.innovation, step.health

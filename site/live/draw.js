@@ -38,7 +38,7 @@ function ticks(a, b, n) {
 /** Lines over rows. spec: x, y: [from, to]; lines: {rows, values, colour, dash, width}; dots: {row, value, colour,
  *  ring}; crosses: {row, colour}, at the bottom; limit: above it is what the reference cannot carry; label: of y. */
 function plot(g, W, H, spec, look) {
-  const left = 40, right = 10, top = 8, bottom = 30, [x0, x1] = spec.x, [y0, y1] = spec.y;
+  const left = spec.label ? 48 : 40, right = 10, top = 8, bottom = 30, [x0, x1] = spec.x, [y0, y1] = spec.y;
   const X = row => left + (W - left - right) * (row - x0) / Math.max(1, x1 - x0);
   const Y = v => top + (H - top - bottom) * (y1 - Math.max(y0, Math.min(y1, v))) / (y1 - y0);
   g.globalAlpha = 1;

@@ -70,7 +70,7 @@ async function hashes() {
     for (const [variant, hash] of Object.entries(one.hashes)) {
       ++all;
       equal += found[variant] === hash;
-      check(found[variant] === hash, `${variant} at ${JSON.stringify(one.settings)}: other bits than the native program`);
+      check(found[variant] === hash, `${variant} at ${JSON.stringify(one.settings)}: other bits than natively`);
     }
   }
   console.log(`hashes of theta after every row: ${equal} of ${all} equal the native program's`);
@@ -111,6 +111,10 @@ async function links() {
   await open(link);
   check(JSON.stringify(await evaluate("shown.summaries.map(s => hashOf(s))")) === JSON.stringify(before),
     "a copied link opens the same page");
+  check(await evaluate("!document.querySelector('#table a')"), "alone, the page leads nowhere");
+  await evaluate("document.documentElement.dataset.variants = '../variants/'; tabulate()");
+  check(await evaluate("document.querySelector('#table a').getAttribute('href')") === "../variants/ud.html",
+    "on a site, a variant leads to its page");
   check((await evaluate("csv()")).split("\n").length === 2002, "the numbers as CSV");
   check(/^<svg [\s\S]*<path [\s\S]*<\/svg>\n$/.test(await evaluate("svg()")) &&
     await evaluate(`!new DOMParser().parseFromString(svg(), "image/svg+xml").querySelector("parsererror")`),
@@ -126,10 +130,11 @@ async function records() {
   }
 }
 async function drop(content, name = "mine.csv") {
-  await evaluate(`{ const carried = new DataTransfer();
+  await evaluate(`{ byId("own-message").textContent = "";
+    const carried = new DataTransfer();
     carried.items.add(new File([${JSON.stringify(content)}], "${name}", { type: "text/csv" }));
     window.dispatchEvent(new DragEvent("drop", { dataTransfer: carried, bubbles: true })); }`);
-  await pause(200);
+  await until("byId('own-message').textContent !== ''");
   await done();
   return evaluate("byId('own-message').textContent");
 }
@@ -147,6 +152,7 @@ async function files() {
     const said = await drop(content);
     check(said.includes(expected), `${JSON.stringify(content)}: ${said}`);
   }
+  check((await drop("u,y\n" + "1.234567,2.345678\n".repeat(1e6))).startsWith("20000 rows"), "a file of 18 MB");
   check((await drop("y\n" + "1\n2\n4\n3\n".repeat(9))).startsWith("36 rows of 1 parameter"), "a file of one column");
   await drop("u,y\n" + Array.from({ length: 50 }, (_, k) => `${k % 7},${k % 5}`).join("\n"));
   // What is to be pasted: C++ that compiles, Python that parses.
@@ -175,7 +181,8 @@ async function frames() {
 async function pictures() {
   for (const width of [1280, 420])
     for (const scheme of ["light", "dark"]) {
-      await send("Emulation.setDeviceMetricsOverride", { width, height: 900, deviceScaleFactor: 1, mobile: width < 500 });
+      await send("Emulation.setDeviceMetricsOverride",
+        { width, height: 900, deviceScaleFactor: 1, mobile: width < 500 });
       await send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: scheme }] });
       await open();
       await pause(300);

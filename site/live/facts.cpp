@@ -150,10 +150,9 @@ Json record_of(Record const& record, std::string const& folder) {
             if (live_column_name(j) == name) return j;
         stop(std::string(record.file) + ": no column " + name);
     };
-    std::uint32_t inputs = 0;
-    for (std::string const& name : record.inputs) inputs |= 1u << column(name);
-    int const output = column(record.output),
-              d = live_make_rows(output, inputs, record.past, record.delays, record.constant);
+    std::vector<int> inputs;
+    for (std::string const& name : record.inputs) inputs.push_back(column(name)), live_add_input(inputs.back());
+    int const output = column(record.output), d = live_make_rows(output, record.past, record.delays, record.constant);
     if (d < 0) stop(std::string(record.file) + ": " + live_message());
     if (live_rows_made() > 300) stop(std::string(record.file) + ": more than 300 rows");
     return {{"name", record.name},

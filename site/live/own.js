@@ -40,7 +40,7 @@ function show(s) {
 function showAll() {
   settings.filter(s => words[s.name]).forEach(show);
   for (const { name } of variants) byId(`show-${name}`).checked = page.chosen.has(name);
-  for (const name of ofMadeRows) byId(`set-${name}`).disabled = page.record !== "";
+  for (const name of ofMadeRows) byId(`set-${name}`).parentElement.hidden = page.record !== "";
   byId("record").value = page.record;
   if (page.focus) byId("code-variant").value = page.focus;
   const r = facts.records.find(of => of.name === page.record);
@@ -91,8 +91,7 @@ async function choose(name, given) {
   if (r) {
     await ask({ type: "table", content: r.text });
     page.columns = null;
-    const bits = r.inputs, inputs = Array.from({ length: 31 }, (_, j) => j).filter(j => bits >> j & 1);
-    await model({ ...r, inputs });
+    await model(r);
   } else page.model = null;
   if (!given && r) kept.lambda = r.lambda, kept.prior = r.prior;
   page.record = name;
@@ -110,7 +109,7 @@ async function model(of) {
   return "";
 }
 async function take(file) {
-  await takeText(await file.text(), file.name);
+  await takeText(await file.slice(0, 1 << 26).text(), file.name);    // beyond the rows that are read
 }
 async function takeText(content, name) {
   if (playing) play(false);
@@ -126,7 +125,8 @@ async function takeText(content, name) {
   page.columns = answer.columns;
   const numbers = answer.columns.map((c, j) => [c, j]).filter(([c]) => c.missing >= 0);
   const output = numbers.length ? numbers[numbers.length - 1][1] : 0;
-  byId("model").innerHTML = `<p>${escaped(name)}: ${answer.rows} rows, ${answer.columns.length} columns</p>
+  byId("model").innerHTML = `<p>${escaped(name)}: ${answer.rows} rows${
+    answer.rows === 20000 ? " (later ones are left out)" : ""}, ${answer.columns.length} columns</p>
 <label class="choice"><span>Output</span><select id="own-output">${numbers.map(([c, j]) =>
     `<option value="${j}"${j === output ? " selected" : ""}>${escaped(c.name)}</option>`).join("")}</select></label>
 <div class="inputs" role="group" aria-label="Inputs">${answer.columns.map((c, j) => `<label><input type="checkbox" ` +
@@ -227,7 +227,8 @@ function program(language) {
   return programOf(language, { variant: byId("code-variant").value, bits: v.bits, exponents: v.exponents,
     rounding: v.rounding, lambda: v.lambda, prior: 2 ** v.prior, guard: v.guard !== 0,
     names: page.model ? page.model.names : null, d,
-    scales: page.model ? page.model.scales.slice(0, d) : new Array(d).fill(1), output: page.model ? page.output : "y" });
+    scales: page.model ? page.model.scales.slice(0, d) : new Array(d).fill(1),
+    output: page.model ? page.output : "y" });
 }
 function showCode() {
   byId("code").textContent = program(byId("language").value);

@@ -46,6 +46,7 @@ struct Page {
     double values[std::size(settings)];
     std::string text, message;
     Table table;
+    std::vector<size_t> inputs;  // of the next rows
     Rows rows;
     std::optional<Source> source;
     std::optional<Qr<DoubleDouble>> reference;
@@ -111,7 +112,8 @@ struct Page {
             bool const measured = taken % every == 0 || taken == source->rows();
             Vector<DoubleDouble> exact_psi(d);
             for (int j = 0; j < d; ++j) exact_psi[j] = DoubleDouble(psi[j]);
-            reference->update(exact_psi, DoubleDouble(y));
+            // What a guard is there for is skipped: then digits say what it missed.
+            if (now.guard == 0 || !source->at_outlier()) reference->update(exact_psi, DoubleDouble(y));
             exact.theta = reference->theta();
             if (measured) exact.P = covariance_of_stored(reference->stored());
             for (size_t v = 0; v < variants; ++v) {
@@ -190,6 +192,7 @@ char* live_text(int n) {
 }
 int live_read_table(int n) {
     page().rows = {};
+    page().inputs.clear();
     page().source.reset();
     page().table = rlslab::live::read_table(std::string_view(page().text).substr(0, size_t(n)));
     if (std::string const error = page().table.error; !error.empty()) {
@@ -204,10 +207,10 @@ int live_column_missing(int j) {
     auto const& column = page().table.columns[size_t(j)];
     return column.not_a_number > 0 ? -1 : int(column.missing);
 }
-int live_make_rows(int output, std::uint32_t inputs, int past, int delays, int constant) {
-    rlslab::live::Model model{size_t(output), {}, past, delays, constant != 0};
-    for (size_t j = 0; j < 32; ++j)
-        if (inputs >> j & 1) model.inputs.push_back(j);
+void live_add_input(int column) { page().inputs.push_back(size_t(column)); }
+int live_make_rows(int output, int past, int delays, int constant) {
+    rlslab::live::Model model{size_t(output), std::move(page().inputs), past, delays, constant != 0};
+    page().inputs.clear();
     page().source.reset();
     page().rows = rows_of(page().table, model);
     if (page().rows.error.empty()) return page().rows.d();

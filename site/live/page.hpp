@@ -26,8 +26,9 @@ RLSLAB_LIVE(read_table) int live_read_table(int n);
 RLSLAB_LIVE(table_rows) int live_table_rows();
 RLSLAB_LIVE(column_name) char const* live_column_name(int j);
 RLSLAB_LIVE(column_missing) int live_column_missing(int j);
-/// Rows of the table: columns `inputs`, a bit each. Returns d; -1: message(). scale(d) is y's.
-RLSLAB_LIVE(make_rows) int live_make_rows(int output, std::uint32_t inputs, int past, int delays, int constant);
+/// Rows of the table from the columns that were added since the last call. Returns d; -1: message(). scale(d) is y's.
+RLSLAB_LIVE(add_input) void live_add_input(int column);
+RLSLAB_LIVE(make_rows) int live_make_rows(int output, int past, int delays, int constant);
 RLSLAB_LIVE(rows_made) int live_rows_made();
 /// psi, scaled, and y behind it.
 RLSLAB_LIVE(made_row) double const* live_made_row(int k);

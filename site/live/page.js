@@ -52,6 +52,7 @@ const ask = order => new Promise(answered => {
 });
 worker.onmessage = ({ data }) => {
   if (data.type === "ready") return begin(data);
+  if (data.type === "failed") return worker.onerror(data);
   waiting.get(data.id)(data);
   waiting.delete(data.id);
 };
@@ -175,7 +176,8 @@ function eachFrame() {
     ++meter.frames;
     const seconds = (performance.now() - meter.since) / 1000;
     if (seconds >= 10 || (meter.last === null && seconds >= 1 && !meter.text)) {
-      meter.text = `${(meter.frames / seconds).toFixed(1)} frames and ${Math.round(meter.rows / seconds)} rows a second`;
+      meter.text = `${(meter.frames / seconds).toFixed(1)} frames and ${
+        Math.round(meter.rows / seconds)} rows a second`;
       if (seconds >= 10) {
         meter.last = { seconds, frames: meter.frames / seconds, rows: meter.rows / seconds };
         Object.assign(meter, { frames: 0, rows: 0, since: performance.now() });
@@ -211,7 +213,12 @@ function figures(now) {
     low = Math.min(low, log(s[run.d - 1]));
     high = Math.max(high, log(s[0]));
   }
-  [low, high] = Number.isFinite(low + high) ? [Math.floor(low) - 2, Math.ceil(high) + 1] : [-4, 4];
+  for (const m of run.measured)    // of variants up to four decades more
+    for (const { spectrum } of m.of) {
+      if (log(spectrum[run.d - 1]) > low - 4) low = Math.min(low, log(spectrum[run.d - 1]));
+      if (log(spectrum[0]) < high + 4) high = Math.max(high, log(spectrum[0]));
+    }
+  [low, high] = Number.isFinite(low + high) ? [Math.floor(low) - 1, Math.ceil(high) + 1] : [-4, 4];
   variants.forEach(({ name }, v) => {
     if (!page.chosen.has(name)) return;
     const colour = now.colour(name), dash = now.dash(name), width = name === page.focus ? 3.2 : 1.7;
@@ -280,7 +287,8 @@ function tabulate() {
     (agreed === null ? "" : run.sent.values.bits === 53 ? ` With this record it agrees with the certified answer, ` +
       `computed when the page was built, in ${agreed.toFixed(1)} digits.` : ` In ${run.sent.values.bits} bits the ` +
       `rounded data themselves have the certified θ in ${agreed.toFixed(1)} digits.`) +
-    (guarded ? " A guard leaves the problem on purpose (it skips, caps, restarts): what it changes counts as lost digits." : "");
+    (guarded ? " The reference is not given the outlier, which the guard should skip. What else a guard changes " +
+      "(it caps P, and restarts) counts as lost digits." : "");
 }
 /** In a sentence, for all and for a screen reader. */
 function describe() {

@@ -56,6 +56,8 @@ public:
     }
     int d() const { return d_; }
     long rows() const { return settings_.table != 0 ? table_.rows() : long(settings_.rows); }
+    /// Whether the row that was last taken is the outlier.
+    bool at_outlier() const { return settings_.outlier != 0 && k_ == std::lround(0.4 * double(rows())); }
     /// False after a table's last row; made rows go on.
     bool next(double* psi, double& y) {
         double const at = double(++k_), n = double(rows());
@@ -69,7 +71,7 @@ public:
             double const sum = made_row(psi);
             y = (changed ? -sum : sum) + settings_.noise * seed_.bell();
         }
-        if (settings_.outlier != 0 && k_ == std::lround(0.4 * n)) y += 100;
+        if (at_outlier()) y += 100;
         if (settings_.silent != 0 && at > 0.55 * n && at <= 0.75 * n)
             for (int i = 0; i < d_; ++i) psi[i] = 0;
         for (int i = 0; i < d_; ++i) psi[i] = nearest_in(format_, psi[i]);

@@ -22,7 +22,8 @@ async function begin(packed) {
       const [least, most, step, start] = doubles(x.setting_range(i), 4);
       return { name: text(x.setting_name(i)), least, most, step, start };
     }),
-    variants: list(x.variants(), v => ({ name: text(x.variant_name(v)), gainErrorApplies: x.gain_error_applies(v) != 0 })),
+    variants: list(x.variants(), v => ({ name: text(x.variant_name(v)),
+                                         gainErrorApplies: x.gain_error_applies(v) !== 0 })),
     parametersMost: x.parameters_most(),
   });
 }
@@ -57,11 +58,12 @@ const answers = {
              columns: list(columns, j => ({ name: text(x.column_name(j)), missing: x.column_missing(j) })) };
   },
   model({ id, model }) {
-    const inputs = model.inputs.reduce((set, j) => set | 1 << j, 0);
-    const d = x.make_rows(model.output, inputs, model.past, model.delays, model.constant ? 1 : 0);
+    for (const j of model.inputs) x.add_input(j);
+    const d = x.make_rows(model.output, model.past, model.delays, model.constant ? 1 : 0);
     if (d < 0) return { type: "no-model", id, message: text(x.message()) };
     return { type: "model", id, d, rows: x.rows_made(), skipped: x.rows_skipped(),
              names: list(d, i => text(x.regressor_name(i))), scales: list(d + 1, i => x.scale(i)) };
   },
 };
-onmessage = ({ data }) => data.type === "begin" ? begin(data.packed) : postMessage(answers[data.type](data));
+const failed = e => postMessage({ type: "failed", message: e.message });
+onmessage = ({ data }) => data.type === "begin" ? begin(data.packed).catch(failed) : postMessage(answers[data.type](data));

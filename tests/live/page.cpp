@@ -41,6 +41,10 @@ int read(std::string const& text) {
     std::memcpy(live_text(int(text.size())), text.data(), text.size());
     return live_read_table(int(text.size()));
 }
+int make(int output, std::vector<int> const& inputs, int past, int delays, int constant) {
+    for (int const j : inputs) live_add_input(j);
+    return live_make_rows(output, past, delays, constant);
+}
 int place_of(std::string_view name) {
     for (int v = 0; v < live_variants(); ++v)
         if (live_variant_name(v) == name) return v;
@@ -136,7 +140,7 @@ TEST(LivePage, TheGuardSeesWhatIsSwitchedOn) {
     EXPECT_EQ(s[9], 0) << "breakdowns";
 }
 
-// --- measurements ------------------------------------------------------------------------------------------------------
+// --- measurements ---------------------------------------------------------------------------------------------------
 
 TEST(LivePage, TheReferenceHasTheDigitsOfTheCertifiedAnswer) {
     ASSERT_EQ(start({{"bits", 53}, {"condition", 3}}, 0), 5);
@@ -186,7 +190,7 @@ TEST(LivePage, PowersOfTwoAreRight) {
     EXPECT_EQ(power_of_two(-3), 0.125);
 }
 
-// --- hostile settings and files ----------------------------------------------------------------------------------------
+// --- hostile settings and files -------------------------------------------------------------------------------------
 
 TEST(LivePage, RunsAtTheEndsOfEverySetting) {
     for (int i = 0; i < live_settings(); ++i)
@@ -224,7 +228,7 @@ TEST(LivePage, ReadsTables) {
     EXPECT_STREQ(live_column_name(1), "the; y");
     EXPECT_EQ(live_column_missing(0), 1);
     EXPECT_EQ(live_column_missing(2), -1) << "not numbers";
-    ASSERT_EQ(live_make_rows(1, 1u, 0, 0, 1), 2) << live_message();
+    ASSERT_EQ(make(1, {0}, 0, 0, 1), 2) << live_message();
     EXPECT_EQ(live_rows_made(), 2);
     EXPECT_EQ(live_rows_skipped(), 1);
     EXPECT_STREQ(live_regressor_name(0), "u");
@@ -232,12 +236,12 @@ TEST(LivePage, ReadsTables) {
     EXPECT_EQ(live_made_row(1)[2] * live_scale(2), 4);
     ASSERT_EQ(start({{"table", 1}}), 2);
     EXPECT_EQ(rows(10), 2) << "a table ends";
-    EXPECT_EQ(live_make_rows(1, 1u << 2, 0, 0, 0), -1);
+    EXPECT_EQ(make(1, {2}, 0, 0, 0), -1);
     EXPECT_THAT(live_message(), HasSubstr("line 3, column w: expected a number"));
     ASSERT_EQ(read("1 2\n3   4\n 5 6 \n7 9\n"), 2);
     EXPECT_STREQ(live_column_name(0), "1");
     EXPECT_EQ(live_table_rows(), 4);
-    ASSERT_EQ(live_make_rows(1, 1u, 1, 1, 0), 3) << live_message();
+    ASSERT_EQ(make(1, {0}, 1, 1, 0), 3) << live_message();
     EXPECT_STREQ(live_regressor_name(0), "2[k-1]");
 }
 TEST(LivePage, TablesThatAreNoneAreRefusedInALine) {
@@ -249,32 +253,41 @@ TEST(LivePage, TablesThatAreNoneAreRefusedInALine) {
     for (auto const& [text, expected] : said) {
         EXPECT_EQ(read(text), -1) << text;
         EXPECT_THAT(live_message(), HasSubstr(expected)) << text;
-        EXPECT_EQ(live_make_rows(0, 0, 0, 0, 1), -1);
+        EXPECT_EQ(make(0, {}, 0, 0, 1), -1);
     }
 }
 TEST(LivePage, OddColumnsDoNoHarm) {
     ASSERT_EQ(read("y\n1\n2\n4\n"), 1) << "one column";
-    EXPECT_EQ(live_make_rows(0, 0, 1, 0, 0), 1);
-    EXPECT_EQ(live_make_rows(0, 0, 0, 0, 0), -1) << "no parameter";
-    EXPECT_EQ(live_make_rows(7, 0, 0, 0, 1), -1) << "no such column";
-    EXPECT_EQ(live_make_rows(0, 1u << 9, 0, 0, 1), -1);
-    EXPECT_EQ(live_make_rows(0, 0, 20, 0, 0), -1) << "too many parameters";
+    EXPECT_EQ(make(0, {}, 1, 0, 0), 1);
+    EXPECT_EQ(make(0, {}, 0, 0, 0), -1) << "no parameter";
+    EXPECT_EQ(make(7, {}, 0, 0, 1), -1) << "no such column";
+    EXPECT_EQ(make(0, {9}, 0, 0, 1), -1);
+    EXPECT_EQ(make(0, {}, 20, 0, 0), -1) << "too many parameters";
     ASSERT_EQ(read("u,y\nNaN,1\nNaN,2\n"), 2) << "a column without a number";
-    EXPECT_EQ(live_make_rows(1, 1u, 0, 0, 0), -1);
+    EXPECT_EQ(make(1, {0}, 0, 0, 0), -1);
     EXPECT_THAT(live_message(), HasSubstr("expected at least 1 row without a missing value, found 0"));
     ASSERT_EQ(read("u,y\n1e150,1e-150\n-1e150,3e-150\n2e150,0\n"), 2) << "huge and tiny numbers are scaled";
-    ASSERT_EQ(live_make_rows(1, 1u, 0, 0, 0), 1);
+    ASSERT_EQ(make(1, {0}, 0, 0, 0), 1);
     ASSERT_EQ(start({{"table", 1}, {"bits", 24}}), 1);
     EXPECT_EQ(rows(9), 3);
     EXPECT_GT(live_summary(place_of("ud"))[1], 5);
     ASSERT_EQ(read("u,y\n1e200,1\n2,2\n"), 2) << "beyond what can be squared";
     EXPECT_EQ(live_column_missing(0), -1);
     ASSERT_EQ(read("u,y\n0,0\n0,0\n"), 2) << "zeros";
-    ASSERT_EQ(live_make_rows(1, 1u, 0, 0, 1), 2);
+    ASSERT_EQ(make(1, {0}, 0, 0, 1), 2);
     ASSERT_EQ(start({{"table", 1}}), 2);
     EXPECT_EQ(rows(9), 2);
 }
-TEST(LivePage, ALongTableIsCutAndSaysSo) {
+TEST(LivePage, AWideTableHasAllItsColumns) {
+    std::string names = "c0", row = "0";
+    for (int j = 1; j < 70; ++j) names += ",c" + std::to_string(j), row += "," + std::to_string(j);
+    ASSERT_EQ(read(names + "\n" + row + "\n" + row + "\n" + row + "\n"), 70);
+    ASSERT_EQ(make(0, {64, 33}, 0, 0, 0), 2) << live_message();
+    EXPECT_STREQ(live_regressor_name(0), "c64");
+    EXPECT_EQ(live_made_row(2)[1] * live_scale(1), 33);
+    EXPECT_EQ(make(0, {}, 0, 0, 1), 1) << "inputs are those added since";
+}
+TEST(LivePage, ALongTableIsCut) {
     std::string text = "y\n";
     for (long k = 0; k < most_rows + 10; ++k) text += std::to_string(k % 17) + "\n";
     ASSERT_EQ(read(text), 1);
