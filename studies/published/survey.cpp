@@ -110,7 +110,7 @@ Study const survey{
         "On real records, which form keeps how many digits, who breaks down, and is what compare names the best?",
     .source = "data/survey: data sets of R, statsmodels, scikit-learn and NIST; the rules of docs/compare.md",
     .formula =
-        R"tex(\text{loss}_v = \max_m (\max_w \text{digits}_m(w) - \text{digits}_m(v)),\quad m \in \{\theta, \theta_{\text{worst}}, P\})tex",
+        R"tex(\text{loss}_v = \max_m (\max_w \text{digits}_m(w) - \text{digits}_m(v)),\quad m = \theta, \theta_{\text{worst}}, P)tex",
     .interpretation =
         "A cell is a record in its units or scaled, with a prior, lambda and a word. Digits are medians over "
         "checkpoints and, where lambda = 1, four orders of rows, as compare counts them. A form that broke down has an "

@@ -19,10 +19,11 @@ namespace {
 
 std::vector<std::string> records_of_study(Budget budget) {
     std::vector<std::string> out;
-    for (Study const* study : studies::studies())
-        if (study->name == "survey")
-            for (Cell const& record : study->factors(budget).front().values)
-                out.push_back(std::get<std::string>(record));
+    for (Study const* study : studies::studies()) {
+        if (study->name != "survey") continue;
+        std::vector<Factor> const factors = study->factors(budget);
+        for (Cell const& record : factors.front().values) out.push_back(std::get<std::string>(record));
+    }
     return out;
 }
 
