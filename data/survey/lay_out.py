@@ -44,7 +44,9 @@ def tables():
         y = y if isinstance(y, str) else None
         numeric = [c for c in x.columns if x[c].dtype.kind in "if" and c != y] + ([y] if y in x.columns else [])
         columns = [[number(repr(float(v))) for v in x[c]] for c in numeric]
-        licence = set_.COPYRIGHT.strip().split("\n")[0].rstrip(".").replace(",", ";")
+        licence = " ".join(set_.COPYRIGHT.split()).split(". ")[0].rstrip(".").replace(",", ";")
+        if len(licence) < 10:
+            licence = "not stated"
         if "ublic domain" in licence:
             licence = "public domain"
         title = set_.TITLE.strip().split("\n")[0].replace(",", " ")

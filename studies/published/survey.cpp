@@ -109,13 +109,13 @@ Study const survey{
     .question =
         "On real records, which form keeps how many digits, who breaks down, and is what compare names the best?",
     .source = "data/survey: data sets of R, statsmodels, scikit-learn and NIST; the rules of docs/compare.md",
-    .formula = R"tex(\text{loss}_v = \max_{m \in \{\theta,\ \theta_{\text{worst}},\ P\}}
-                 (\max_{w\ \text{sound}} \text{digits}_m(w) - \text{digits}_m(v)))tex",
+    .formula =
+        R"tex(\text{loss}_v = \max_m (\max_w \text{digits}_m(w) - \text{digits}_m(v)),\quad m = \theta, \theta_{\text{worst}}, P)tex",
     .interpretation =
-        "A cell is a record in its units or scaled, with a prior, lambda and a word. Digits are medians over checkpoints "
-        "and, where lambda = 1, four orders of rows, as compare counts them. A form that broke down has an infinite "
-        "loss. What compare names is judged twice: named by the whole record, and named by its first half and judged "
-        "on the whole. Intervals are over records; they speak of records like these, under these rules.",
+        "A cell is a record in its units or scaled, with a prior, lambda and a word. Digits are medians over "
+        "checkpoints and, where lambda = 1, four orders of rows, as compare counts them. A form that broke down has an "
+        "infinite loss. What compare names is judged twice: named by the whole record, and named by its first half and "
+        "judged on the whole. Intervals are over records; they speak of records like these, under these rules.",
     .data = "a third of the 326 records of data/survey, each at most 200 rows; at the quick budget five",
     .factors =
         [](Budget budget) {
@@ -263,7 +263,8 @@ Study const survey{
                                share("broken", is_positive, Estimate::fixed), 0, 0.02);
              },
              own_result("set before the run")},
-            {"where the first half names a form, it is within half a digit not less often than ud always: by -3 to 30 %",
+            {"where the first half names a form, it is within half a digit not less often than ud always: by -3 to "
+             "30 %",
              [](Table const& t) {
                  Statistic const gain([](Table const& of) {
                      double more = 0;

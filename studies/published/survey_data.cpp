@@ -63,9 +63,7 @@ Records records_of(std::string const& record) {
             name));
     char const* const folder = std::getenv("RLSLAB_RECORDS");
     if (!folder)
-        throw InputError(fmt::format(
-            "study survey, record {}: expected RLSLAB_RECORDS=FOLDER, written by data/survey/lay_out.py FOLDER",
-            record));
+        throw InputError("expected RLSLAB_RECORDS=FOLDER in the environment, written by data/survey/lay_out.py FOLDER");
     return read(CsvFile(fmt::format("{}/{}", folder, name)));
 }
 
