@@ -43,7 +43,7 @@ sections = [
                              ("studies/engine/scenarios.hpp", "()"), ("studies/engine/checkpoints.hpp", "()")]),
 ]
 left_out = """
-OneLane RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
+OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding FilterEach SharedFilter OfOneRegressor
 """.split()
 
