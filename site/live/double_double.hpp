@@ -8,7 +8,7 @@
 namespace rlslab::live {
 
 /// head + tail, |tail| <= ulp(head) / 2. Errors are a few units of 2^-104. Exponents are double's: a product is right
-/// while its operands are below 2^996 and its tail does not underflow. The sums are Knuth's TwoSum, the products Dekker's.
+/// while its operands are below 2^996 and its tail does not underflow. Sums are Knuth's TwoSum, products Dekker's.
 class DoubleDouble {
     double head_ = 0, tail_ = 0;
     DoubleDouble(double head, double tail) : head_(head), tail_(tail) {}

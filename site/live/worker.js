@@ -66,4 +66,5 @@ const answers = {
   },
 };
 const failed = e => postMessage({ type: "failed", message: e.message });
-onmessage = ({ data }) => data.type === "begin" ? begin(data.packed).catch(failed) : postMessage(answers[data.type](data));
+onmessage = ({ data }) =>
+    data.type === "begin" ? begin(data.packed).catch(failed) : postMessage(answers[data.type](data));

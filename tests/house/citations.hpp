@@ -259,7 +259,9 @@ inline Faults names(Tree const& tree, std::string const& path, std::string const
         std::smatch part;
         bool const to_be_written = m[1].matched, of_a_run = name.starts_with("out/");
         if (std::regex_match(name, std::regex("[\\w./-]+/[\\w.-]+\\.(cpp|hpp|md|csv|txt|cmake|svg|json|lua|css|js)"))) {
-            bool const as_included = name.starts_with("rlslab/") && tree.named(name.substr(7)) > 0;
+            std::string const behind = name.starts_with("rlslab/") ? name.substr(7) : "";
+            bool const of_studies = behind.starts_with("studies/");  // <rlslab/studies/...> is that folder's engine
+            bool const as_included = tree.named(of_studies ? "studies/engine/" + behind.substr(8) : behind) > 0;
             if (!to_be_written && !of_a_run && !as_included && !tree.paths.contains(name))
                 out.push_back("no file " + name);
         } else if (std::regex_match(name, std::regex("[\\w-]+\\.(cpp|hpp)")) && tree.named(name) != 1) {

@@ -63,8 +63,8 @@ PerLane<T, Index> turn(RuleMemory<T, N>& m, T const& x) {
 /// without a rule; most rules want it to be 1, which is the default. Allocates where F does, and not in updates; where
 /// F solves for theta or K on request, a rule that asks for them does allocate at dynamic size. gain() is of the last
 /// row that F took, which may be one of the rule's. Of packs: each lane has the bits of the scalar composition on its
-/// own rows; the options are one for all lanes; where the rule acts in some lanes alone, a thread allocates at its first
-/// such row.
+/// own rows; the options are one for all lanes; where the rule acts in some lanes alone, a thread allocates at its
+/// first such row.
 template <OverOrderedField F, ForgettingRule<F> Rule>
 class Forgetting : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <rlslab/adapt/guard_signal.hpp>
+#include <rlslab/many/fleet_filters.hpp>
 #include <rlslab/many/fleet_records.hpp>
 #include <rlslab/many/fleet_steps.hpp>
 #include <rlslab/many/threads.hpp>
@@ -10,30 +11,6 @@
 #include <functional>
 
 namespace rlslab {
-
-namespace detail {
-template <class F>
-concept TakesWeights = requires(F& f, Regressor<typename F::scalar> psi, typename F::scalar x) { f.update(psi, x, x); };
-/// The filter of numbers beside F, or F where there is none.
-template <class F>
-struct Beside {
-    using type = F;
-};
-template <HasOneLane F>
-struct Beside<F> {
-    using type = OneLaneOf<F>;
-};
-/// A filter of a problem, without options.
-template <class F>
-struct MakesFilters {
-    F operator()(Problem<typename F::scalar> const& problem) const { return F(problem); }
-    auto operator()(Problem<typename F::scalar::lane_type> const& problem) const
-        requires HasOneLane<F>
-    {
-        return OneLaneOf<F>(problem);
-    }
-};
-}  // namespace detail
 
 /// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>. Each keeps the bits of the scalar
 /// variant on its own rows, while its health is not nonfinite: after that other numbers may be NaN than there. A fleet
@@ -49,9 +26,9 @@ struct MakesFilters {
 ///
 /// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
 /// triangle (all of F where something is around the variant, or it is not fixed in size and stores a square), with
-/// lambda only once lambdas differ; 21 bytes of health and counts; an F for each thread. A row moves that of all through
-/// the processor once. An update allocates only when it first meets that many threads; of filters with a guard or a rule
-/// also as Guarded and Forgetting say. Source: layout as in arrays of structures of arrays; folklore.
+/// lambda only once lambdas differ; 21 bytes of health and counts; an F for each thread. A row moves that of all
+/// through the processor once. An update allocates only when it first meets that many threads; of filters with a guard
+/// or a rule also as Guarded and Forgetting say. Source: layout as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
@@ -61,8 +38,9 @@ public:
     static constexpr int lanes = pack::lanes;
     static constexpr std::string_view name = F::name;
 
-    /// make(problem) makes F of a problem of packs and, for filter(i), the filter of numbers of a problem of numbers: with
-    /// a guard's options, or a rule's. Throws std::invalid_argument unless filters >= 1, and as make for the problem.
+    /// make(problem) makes F of a problem of packs and, for filter(i), the filter of numbers of a problem of numbers:
+    /// with a guard's options, or a rule's. Throws std::invalid_argument unless filters >= 1, and as make for the
+    /// problem.
     template <class Make = detail::MakesFilters<F>>
     Fleet(Index filters, Problem<number> const& problem, Make const& make = {})
         : filters_(checked_count(filters)), make_(make), fresh_(make_(in_packs(problem))),
