@@ -15,10 +15,19 @@ namespace {
 using namespace compare;
 using namespace survey_data;
 
+/// Those of the list when the survey ran. The delta forms are newer: what compare names beside them was not surveyed.
+std::vector<std::string> const surveyed{"conventional",    "conventional_two_sided",
+                                        "symmetric",       "joseph",
+                                        "joseph_rank_two", "kalman",
+                                        "information",     "potter",
+                                        "carlson",         "ud",
+                                        "inverse_qr",      "qr",
+                                        "gentleman",       "extended_qr"};
 std::vector<std::string> const words_compared{"bfloat16", "binary16", "float", "double"}, long_words{"float", "double"};
 
 std::optional<Comparison> compared(Records const& records, Trial const& trial) {
     CompareOptions options{.forgetting = trial.number("lambda"),
+                           .variants = surveyed,
                            .arithmetics = words_compared,
                            .seed = trial.seed({"record"}).state,
                            .threads = 1,
@@ -183,10 +192,9 @@ Study const survey{
              own_result("set before the run")},
             {"no other form has a median loss below that of ud",
              [](Table const& t) {
-                 return loses_more_than_ud(
-                     in(t, long_words),
-                     {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "kalman",
-                      "information", "potter", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"});
+                 std::vector<std::string> others = surveyed;
+                 std::erase(others, "ud");
+                 return loses_more_than_ud(in(t, long_words), others);
              },
              own_result("set before the run")},
             {"double, the proposed prior: symmetric loses 0.3 to 2.5 digits in the median",
