@@ -57,9 +57,10 @@ public:
         auto const [e, s] = row;
         divide(f_, before_, mu_);
         shrinkages(lambda_, h_, before_, s_, h_);                                                        // (3)
-        for (Index j = 0; j < h_.size(); ++j)
-            D_[j] = select(RealOf<T>(1) / RealOf<T>(2) < h_[j], by_lambda_(RealOf<T>(D_[j] * (before_[j] / s_[j]))),
-                           RealOf<T>(D_[j] - D_[j] * h_[j]));
+        for (Index j = 0; j < h_.size(); ++j) {
+            RealOf<T> const changed = D_[j] - D_[j] * h_[j], product = D_[j] * (before_[j] / s_[j]);
+            D_[j] = select(RealOf<T>(1) / RealOf<T>(2) < h_[j], by_lambda_(product), changed);
+        }
         sweep_ud(U_, g_, mu_, K_, perturb, next_);                                                       // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);

@@ -91,7 +91,7 @@ def compare(
     >>> c.best["variant"] in rlslab.variants(), c.best["arithmetic"]
     (True, 'float')
     >>> len(c.records), sorted({record["arithmetic"] for record in c.records})
-    (32, ['double', 'float'])
+    (38, ['double', 'float'])
     >>> f = c.filter()
     >>> f.update_many(X, X @ [1.0, 2.0, 3.0]).health
     'sound'

@@ -3,6 +3,7 @@
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/fast/fast.hpp>
 #include <rlslab/variants/conventional.hpp>
@@ -44,7 +45,7 @@ public:
 template <class T>
 Problem<T> same_problem(double lambda, double energy) {
     Matrix<T> P0 = Matrix<T>::Zero(d, d);
-    for (Index i = 0; i < d; ++i) P0(i, i) = T(std::pow(lambda, double(i)) / energy);
+    for (Index i = 0; i < d; ++i) P0(i, i) = T(correctly::pow(lambda, double(i)) / energy);
     return {.size = d, .forgetting = T(lambda), .prior = Prior<T>{.covariance = P0}};
 }
 template <class F>
@@ -83,7 +84,7 @@ void run_long(Trial const& trial, Index rows, TrialOutput& out) {
         if (k > rows - 1000) late += apart * apart, late_size += e * e;
         if (diverged < INFINITY) break;
     }
-    auto const digits = [](double error, double size) { return -std::log10(std::sqrt(error / size)); };
+    auto const digits = [](double error, double size) { return -correctly::log10(std::sqrt(error / size)); };
     bool const whole = diverged == INFINITY && rows >= 3000;
     out({std::string(F::name), double(rows), diverged, lost, unsound, asleep, whole ? digits(early, early_size) : none,
          whole ? digits(late, late_size) : none});
@@ -119,7 +120,7 @@ public:
             Reference const difference = Reference(errors[size_t(named_[i])]) - e;
             apart += difference * difference, size += e * e;
         }
-        double const digits = -0.5 * std::log10(double(Reference(apart / size)));
+        double const digits = -0.5 * correctly::log10(double(Reference(apart / size)));
         return std::isnan(digits) ? 0 : std::max(0.0, digits);
     }
 };
@@ -160,7 +161,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     int const bits = int(trial.number("bits"));
     if (part == "explosion") {
         PrecisionScope const precision(bits);
-        double const life = bits * std::log(2.0) / -std::log(trial.number("lambda"));
+        double const life = bits * correctly::log(2.0) / -correctly::log(trial.number("lambda"));
         run_long<Transversal<VariablePrecision>>(trial, Index(2 * life) + 1000, out);
     } else if (part == "feedback") {
         if (bits == 24) run_long<StabilisedTransversal<float>>(trial, rows_of_long_runs(trial), out);
@@ -183,7 +184,7 @@ bool admits(Trial const& trial) {
 }
 
 /// -ln lambda of a group of one lambda.
-double forgets(Table const& t) { return -std::log(t.numbers("lambda").front()); }
+double forgets(Table const& t) { return -correctly::log(t.numbers("lambda").front()); }
 Table exploding(Table const& t, double energy, double least_bits) {
     return t.where("part", "explosion").where("energy", energy).where("bits", [=](double p) {
         return p >= least_bits;
@@ -191,7 +192,7 @@ Table exploding(Table const& t, double energy, double least_bits) {
 }
 /// Rows for each further bit, over ln 2 / -ln lambda.
 Statistic worth_of_a_bit(std::string const& end) {
-    return Statistic([=](Table const& t) { return linear_slope("bits", end)(t) * forgets(t) / std::log(2.0); });
+    return Statistic([=](Table const& t) { return linear_slope("bits", end)(t) * forgets(t) / correctly::log(2.0); });
 }
 /// c of docs/theory.md 101.
 Statistic offset(std::string const& end) {
@@ -201,7 +202,7 @@ Statistic offset(std::string const& end) {
         std::vector<double> c;
         for (auto const& row : t.groups({"bits"}))
             c.push_back(row.second.number(end) * forgets(t) -
-                        (row.second.number("bits") * std::log(2.0) - std::log(size)));
+                        (row.second.number("bits") * correctly::log(2.0) - correctly::log(size)));
         return median(c);
     });
 }
@@ -209,7 +210,7 @@ Statistic offset(std::string const& end) {
 Statistic cost_of_a_small_start(std::string const& end) {
     return Statistic([=](Table const& t) {
         return (t.where("energy", 1.0).number(end) - t.where("energy", small_start).number(end)) * forgets(t) /
-               (14 * std::log(2.0));
+               (14 * correctly::log(2.0));
     });
 }
 Table feedback(Table const& t, double from, double to) {

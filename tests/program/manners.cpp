@@ -322,9 +322,9 @@ TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab study --budget = f"), "full ") << "= is a word of its own to bash";
     EXPECT_EQ(offered("rlslab study --budget ="), "quick full ");
     EXPECT_EQ(offered("rlslab compare ok.csv --variants jos"), "joseph joseph_rank_two ");
-    EXPECT_EQ(offered("rlslab compare ok.csv --variants = ud,car"), "ud,carlson ");
+    EXPECT_EQ(offered("rlslab compare ok.csv --variants = ud,car"), "ud,carlson ud,carlson_delta ");
     EXPECT_EQ(offered("rlslab compare ok.csv --arithmetic q"), "quad ");
-    EXPECT_EQ(offered("rlslab identify ok.csv --variant u"), "ud ");
+    EXPECT_EQ(offered("rlslab identify ok.csv --variant u"), "ud ud_delta ");
     EXPECT_EQ(offered("rlslab compare ok"), "ok.csv ");
     EXPECT_EQ(offered("rlslab compare ok.csv --output \"\""), "u y ") << "columns of the file";
     EXPECT_EQ(offered("rlslab compare ok.csv --regressors u,"), "u,u u,y ");

@@ -120,7 +120,7 @@ TEST_F(Program, RefusesPartsOfTwoSweepsInOneFolder) {
     ASSERT_EQ(shell("rlslab " + sweep).code, 0);
     EXPECT_EQ(shell("rlslab " + sweep + "--vary prior=1,2 --part 1/2").code, 0);  // the other is finished
     refused("study gain_identities --out shared",
-            "--out shared: holds what rlslab sweep made (sweep.csv); expected an");
+            "--out shared: holds what rlslab sweep made (sweep.csv); expected another folder");
     ASSERT_EQ(shell("rlslab study gain_identities --out studies --quiet").code, 0);
     refused("sweep ok.csv --input u --output y --out studies", "--out studies: holds what rlslab study made");
 }

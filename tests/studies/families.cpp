@@ -65,7 +65,9 @@ TEST(Families, AreOfEveryArithmeticAndTakeRowsOneByOne) {
 TEST(Families, NoDenseVariantIsMissing) {
     std::vector<std::string> const all = words(row_forms());
     for (VariantForm const& f : variant_forms())
-        EXPECT_EQ(std::ranges::count(all, f.variant), f.single_rows && f.variant != "kalman") << f.variant;
+        EXPECT_EQ(std::ranges::count(all, f.variant),
+                  f.single_rows && f.variant != "kalman" && !f.variant.ends_with("_delta"))
+            << f.variant;
     std::set<std::pair<int, int>> looks;
     for (auto const* const entry : one_entry_each())
         EXPECT_TRUE(looks.insert({entry->family.kind, entry->family.place}).second)
