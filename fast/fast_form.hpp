@@ -12,7 +12,7 @@ namespace rlslab {
 ///   J_k = lambda^k theta' P0^-1 theta + sum_i lambda^(k-i) (y_i - psi_i'theta)^2,
 ///   P0^-1 = delta diag(1, lambda^-1, ..., lambda^-(d-1))
 ///
-/// This P0 and no other fits all orders at once: P0^-1 of order m is the first block of that of order m + 1, and
+/// No other diagonal P0 fits all orders at once: P0^-1 of order m is the first block of that of order m + 1, and
 /// lambda times the last (docs/theory.md 100). With lambda = 1 it is the prior P0 = c^2 I of Problem, c^2 = 1 / delta.
 template <Field T>
 struct FastProblem {

@@ -19,7 +19,7 @@ namespace rlslab {
 ///
 ///   (5) sqrt(gamma) = c_0 ... c_{d-1},   residual = e_d sqrt(gamma),   innovation = e_d / sqrt(gamma)
 ///
-/// Rotations keep lengths: with lambda < 1 nothing can grow, whatever is rounded (docs/theory.md 103). gamma is a
+/// Rotations keep lengths: with 1 - lambda well above u stored numbers stay bounded (docs/theory.md 103). gamma is a
 /// square, health is never indefinite. Silence is no breakdown: a rotation of (0, 0) is the identity. The rounded r
 /// is a biased root of lambda, as in `qr`. Storage 8d; per update 22d multiplications, 4d divisions, 2d roots.
 /// Source: Proudler et al. 1988, Haykin (QRD-LSL; both cited, not read); the lines are derived (docs/theory.md 100).

@@ -21,9 +21,9 @@ namespace rlslab {
 ///
 /// In the mean an error of b shrinks by 1 - (1 - lambda)/2 a row and one of B / F by 1 - 4 (1 - lambda)
 /// (docs/theory.md 102); with gains of 1 in (4) that of b would not shrink. In the mean alone: its mean square needs
-/// 1 - lambda below about 1 / (2 d), and with lambda = 1 nothing shrinks. Outside of that it ends as `transversal`
-/// does, gamma outside [0, 1]. A silence that lets F and B underflow ends it, too: (8) is then a quotient of subnormal
-/// numbers. Storage 6d; per update 8d + O(1) multiplications and 4 divisions.
+/// 1 - lambda below 0.44 / (d + 2) (1 / (4 d) was tried, with d = 8), and with lambda = 1 nothing shrinks. Outside of
+/// that it ends as `transversal` does, gamma outside [0, 1]. A silence that lets F and B underflow ends it, too: (8) is
+/// then a quotient of subnormal numbers. Storage 6d; per update 8d + O(1) multiplications and 4 divisions.
 /// Source: Slock & Kailath 1991 (abstract read). Gains 3/2, 5/2 and 1 as in a program of Diniz's Algorithm 8.2, which
 /// computes gamma = 1 / (1 + C'psi) in place of (8). The rates are derived (docs/theory.md 102).
 template <Field T, int N = Dynamic>

@@ -16,8 +16,8 @@ namespace rlslab {
 ///   (5) K = v / s_d, theta += K e
 ///
 /// 1 - h_j is s_{j-1} / (lambda s_j). Where h_j > 1/2, D_j is multiplied by that quotient instead, so that D_j > 0 for
-/// any row. ud rounds the quotient, which is near 1 and always rounded to the same side when lambda is near 1: the mean
-/// of that error adds up over 1 / (1 - lambda) rows, and a difference has none (docs/theory.md 91).
+/// any row. ud rounds the quotient, which is near 1 when lambda is: its error has a mean of order (1 - lambda)^2, which
+/// adds up over 1 / (1 - lambda) rows; that of the difference is far smaller (docs/theory.md 91).
 /// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications.
 /// Sources: Bierman 1977; Middleton & Goodwin 1986 (delta form); derived.
 template <Scalar T, int N = Dynamic>

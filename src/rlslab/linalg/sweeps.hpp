@@ -88,8 +88,8 @@ void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, S
         perturb, next...);
 }
 
-/// The delta forms: S_ij = t keep_j - (t less_j + v_i mix_j') with keep_j - less_j = k_j, so that a k_j near 1 is never
-/// rounded (docs/theory.md 91). v is as in sweep_carlson, or as g in sweep_rotations.
+/// The delta forms: S_ij = t keep_j - (t less_j + v_i mix_j') with keep_j - less_j = k_j, so that no rounded k_j near 1
+/// multiplies S (docs/theory.md 91). v is as in sweep_carlson, or as g in sweep_rotations.
 template <Scalar T, int N, class Perturb, class R = RealOf<T>>
 [[gnu::always_inline]] inline void sweep_carlson_delta(StateMatrix<T, N>& S, StateVector<T, N> const& f,
                                                        StateVector<R, N> const& keep, StateVector<R, N> const& less,
