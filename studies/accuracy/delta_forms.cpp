@@ -210,8 +210,9 @@ S_{ij} \leftarrow S_{ij} - \bigl(S_{ij}(1 - k_j) + v_i m_j'\bigr), \qquad
         "undecided. Rows of condition 1e4 leave up to 1300 times the law. On white rows in float at lambda = 0.9999 "
         "they gain one digit of P (ud, potter) to two (inverse_qr), and ud_delta keeps more than symmetric. theta "
         "gains in gentleman and qr, which solve for it, and not in the others. With a condition of 1e4 other "
-        "roundings are larger, and 0.1 to 0.6 digits are gained, but 0.8 in potter and two in gentleman, because the "
-        "delta form adds to an entry of R what is left of the row, where the plain one adds two large terms.",
+        "roundings are larger, and 0.1 to 0.6 digits of P are gained there, but 0.8 and more in potter and two in "
+        "gentleman, because the delta form adds to an entry of R what is left of the row, where the plain one adds "
+        "two large terms.",
     .data =
         "white rows and a delay line of pole 0.95, P0 = I; rows of condition 1e2 and 1e4 off the axes, P0 = 2^20 I; "
         "theta drawn; root mean squares over four samples from 3 memories on, or 32768 rows with lambda = 1",
