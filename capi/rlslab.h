@@ -47,8 +47,8 @@ char const* rlslab_name(int list, size_t place);  // null where there is no such
 typedef struct rlslab_step {
     double innovation;  // y - psi'theta before the row
     double residual;    // y - psi'theta after it
-    double gamma;       // residual / innovation, in (0, 1]
-    int32_t health;     // 0: sound; a place in RLSLAB_HEALTHS
+    double gamma;       // residual / innovation, in (0, 1]; 1: the guard skipped the row; NaN: a number is not finite
+    int32_t health;     // 0: sound; a place in RLSLAB_HEALTHS; of the row: a guard that skips it leaves the filter well
     int32_t signal;     // of the guard: 0: none; a place in RLSLAB_SIGNALS
 } rlslab_step;
 
@@ -72,7 +72,7 @@ typedef struct rlslab_options {
     size_t noise_memory;  // rows, of the guard's estimate of noise; 0: its default
     size_t rebuild_rows;  // rows that a guard keeps to rebuild from; 0: its default
 } rlslab_options;
-rlslab_status rlslab_defaults(rlslab_options* options, size_t bytes);
+rlslab_status rlslab_defaults(rlslab_options* options, size_t bytes);  // what the pointers show is copied when used
 
 typedef struct rlslab_filter rlslab_filter;
 
@@ -86,8 +86,8 @@ size_t rlslab_size(rlslab_filter const* filter);             // d; 0 of null
 char const* rlslab_variant(rlslab_filter const* filter);     // null of null
 char const* rlslab_arithmetic(rlslab_filter const* filter);  // null of null
 
-// One row: psi has d numbers. step: or null. Numbers of the other arithmetic are rounded once. Allocates nothing,
-// except where a guard hands over to the sounder variant.
+// One row: psi has d numbers. step: or null. Numbers of the other arithmetic are rounded once. Allocates nothing, but
+// where a guard hands over. Without a guard one number that is not finite spoils the filter for good.
 rlslab_status rlslab_update(rlslab_filter* filter, double const* psi, double y, rlslab_step* step);
 rlslab_status rlslab_update_f32(rlslab_filter* filter, float const* psi, float y, rlslab_step* step);
 // Many rows, the oldest first: row k starts at psi + k * stride, stride >= d (0: d). steps: room for all, or null:
@@ -104,13 +104,13 @@ rlslab_status rlslab_gain(rlslab_filter const* filter, double* out);   // d numb
 // P, or P^-1: a variant reports one of the two; of the other ABILITY.
 rlslab_status rlslab_covariance(rlslab_filter const* filter, double* out);
 rlslab_status rlslab_information(rlslab_filter const* filter, double* out);
-int32_t rlslab_health(rlslab_filter const* filter);  // of the last row; -1 of null
+int32_t rlslab_health(rlslab_filter const* filter);  // of the last row; after a load 0, or 1 if theta is NaN; -1: null
 int32_t rlslab_signal(rlslab_filter const* filter);  // of the last row; -1 of null
 
 // So far; counts of what is not part of the filter are 0. Later versions append members: bytes is sizeof(it).
 typedef struct rlslab_counts {
     int64_t rows;                                              // since it was made, reset or loaded
-    int64_t unusable, outliers, changes, windups, breakdowns;  // of the guard
+    int64_t unusable, outliers, changes, windups, breakdowns;  // of the guard; these survive a load
     int64_t refactored, since;                                 // times that the window was factored; rows since then
     int64_t handed_over;                                       // 1: to the sounder variant
 } rlslab_counts;
@@ -124,7 +124,7 @@ rlslab_status rlslab_save(rlslab_filter const* filter, void* to, size_t room);
 rlslab_status rlslab_load(rlslab_filter* filter, void const* from, size_t bytes);
 rlslab_status rlslab_from_state(void const* from, size_t bytes, rlslab_filter** out);
 
-// M filters of one variant and one problem, which take a row each at a time. Not of qr_block, not composed.
+// M filters of one variant and one problem, which take a row each. Not of qr_block; no guard, window or control.
 typedef struct rlslab_fleet rlslab_fleet;
 rlslab_status rlslab_fleet_new(char const* variant, char const* arithmetic, size_t filters,
                                rlslab_options const* options, rlslab_fleet** out);

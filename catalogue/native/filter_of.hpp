@@ -139,7 +139,8 @@ public:
         if (StateFault const fault = rlslab::load(filter_, from); fault != StateFault::none)
             refuse(refusal_of(fault, from));
         taken_ = 0;
-        health_ = Health::sound;
+        detail::theta_of(filter_, row_);
+        health_ = all_finite(row_) ? Health::sound : Health::undetermined;  // the state has no last row
     }
 
     std::int32_t health() const override { return std::int32_t(health_); }

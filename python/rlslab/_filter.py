@@ -272,7 +272,10 @@ class Filter(_core.Filter):
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the filter was made with, but for defaults: `type(f)(**f.options)` makes another."""
+        """What the filter was made with, but for defaults: `type(f)(**f.options)` makes another.
+
+        Of a filter from a state alone forgetting and prior are not known, and are left out.
+        """
         return dict(self._made)
 
     def copy(self: Self) -> Self:

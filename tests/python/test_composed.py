@@ -109,6 +109,14 @@ def test_a_guard_skips_what_is_no_number_and_counts():
     assert f.counts.outliers == 1
 
 
+def test_a_broken_filter_is_not_sound_when_it_is_loaded():
+    f = rlslab.Ud(2)
+    f.update([1.0, float("nan")], 1.0)
+    assert f.health == "nonfinite" and np.isnan(f.theta).any()
+    assert rlslab.from_state(f.state).health == pickle.loads(pickle.dumps(f)).health == "undetermined"
+    assert rlslab.from_state(rlslab.Ud(2).state).health == "sound"
+
+
 def test_a_window_is_the_last_rows():
     Psi, y = rows()
     f = rlslab.Ud(4, window=50, prior_variance=1e4)
