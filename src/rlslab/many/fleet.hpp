@@ -184,7 +184,7 @@ public:
     /// And back: filter i goes on as this one, whatever its forgetting and prior. Its health is sound, or undetermined
     /// where theta is not finite. Throws std::invalid_argument unless alive(i), for another size, and for a filter in a
     /// state that update() does not leave (a walk of kalman's; rows that information took without a report).
-    void put(Index i, detail::Beside<F>::type const& one)
+    void put(Index i, typename detail::Beside<F>::type const& one)
         requires detail::HasOneLane<F>
     {
         check(i);
@@ -217,7 +217,7 @@ public:
 
 private:
     using Mask = typename pack::Mask;
-    using One = detail::Beside<F>::type;
+    using One = typename detail::Beside<F>::type;
     template <class X>
     using PerFilter = std::vector<Lanes<X, lanes>>;
     /// Of a thread.
