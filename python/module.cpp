@@ -54,7 +54,7 @@ PyObject* saved(PyObject*, PyObject* bytes) {
 PyMethodDef functions[] = {
     {"variants", names_of<native::variants>, METH_NOARGS,
      "variants()\n--\n\nThe names of the dense variants, in the order of the library's list.\n\n"
-     ">>> len(rlslab.variants())\n15"},
+     ">>> len(rlslab.variants())\n18"},
     {"arithmetics", names_of<native::arithmetics>, METH_NOARGS, nullptr},
     {"guards", names_of<native::guards>, METH_NOARGS,
      "guards()\n--\n\nThe policies of guards, for `guard=`.\n\n>>> \"reset\" in rlslab.guards()\nTrue"},
