@@ -33,8 +33,8 @@ public:
     static constexpr std::string_view name = "error_feedback_lattice";
 
     explicit ErrorFeedbackLattice(FastProblem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), F_(taps(problem)), B_(taps(problem)), beta_(taps(problem)),
-          gamma_(taps(problem)), k_f_(taps(problem)), k_b_(taps(problem)), h_(taps(problem)) {
+        : lambda_(checked(problem, N).forgetting), F_(problem.size), B_(problem.size), beta_(problem.size),
+          gamma_(problem.size), k_f_(problem.size), k_b_(problem.size), h_(problem.size) {
         T B = problem.energy;
         for (Index m = 0; m < size(); ++m, B /= lambda_) {
             F_[m] = problem.energy;
@@ -70,9 +70,6 @@ public:
     }
 
     Index size() const { return B_.size(); }
-
-private:
-    static Index taps(FastProblem<T> const& problem) { return N == Dynamic ? problem.size : N; }
 };
 static_assert(FastForm<ErrorFeedbackLattice<double>>);
 

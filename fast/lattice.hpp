@@ -34,8 +34,8 @@ public:
     static constexpr std::string_view name = "lattice";
 
     explicit Lattice(FastProblem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), F_(taps(problem)), B_(taps(problem)), b_(taps(problem)),
-          gamma_(taps(problem)), Delta_(taps(problem)), rho_(taps(problem)) {
+        : lambda_(checked(problem, N).forgetting), F_(problem.size), B_(problem.size), b_(problem.size),
+          gamma_(problem.size), Delta_(problem.size), rho_(problem.size) {
         T B = problem.energy;
         for (Index m = 0; m < size(); ++m, B /= lambda_) {
             F_[m] = problem.energy;
@@ -72,9 +72,6 @@ public:
     }
 
     Index size() const { return B_.size(); }
-
-private:
-    static Index taps(FastProblem<T> const& problem) { return N == Dynamic ? problem.size : N; }
 };
 static_assert(FastForm<Lattice<double>>);
 

@@ -33,9 +33,9 @@ public:
     static constexpr std::string_view name = "qr_lattice";
 
     explicit QrLattice(FastProblem<T> const& problem)
-        : root_lambda_(square_root(checked(problem, N).forgetting)), phi_(taps(problem)), beta_(taps(problem)),
-          b_(taps(problem)), c_(taps(problem)), s_(taps(problem)), p_f_(taps(problem)), p_b_(taps(problem)),
-          p_(taps(problem)) {
+        : root_lambda_(square_root(checked(problem, N).forgetting)), phi_(problem.size), beta_(problem.size),
+          b_(problem.size), c_(problem.size), s_(problem.size), p_f_(problem.size), p_b_(problem.size),
+          p_(problem.size) {
         T B = problem.energy;
         for (Index m = 0; m < size(); ++m, B /= problem.forgetting) {
             phi_[m] = square_root(problem.energy);
@@ -70,7 +70,6 @@ public:
     Index size() const { return beta_.size(); }
 
 private:
-    static Index taps(FastProblem<T> const& problem) { return N == Dynamic ? problem.size : N; }
     void apply(Rotation<T> const& turn, T& kept, T& error) const {
         T const aged = root_lambda_ * kept, added = turn.s * error, taken = turn.s * aged;
         kept = turn.c * aged + added;

@@ -39,8 +39,8 @@ public:
 
     explicit StabilisedTransversal(FastProblem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), F_(problem.energy), B_(problem.energy),
-          line_(taps(problem) + 1), a_(taps(problem)), b_(taps(problem)), C_(taps(problem)), theta_(taps(problem)),
-          E_(taps(problem) + 1) {
+          line_((N == Dynamic ? problem.size : N) + 1), a_(problem.size), b_(problem.size), C_(problem.size),
+          theta_(problem.size), E_(problem.size + 1) {
         for (Index i = 0; i < size(); ++i) {
             B_ /= lambda_;
             power_ *= lambda_;
@@ -72,9 +72,6 @@ public:
 
     Index size() const { return theta_.size(); }
     auto theta() const { return theta_.view(); }
-
-private:
-    static Index taps(FastProblem<T> const& problem) { return N == Dynamic ? problem.size : N; }
 };
 static_assert(HasTaps<StabilisedTransversal<double>>);
 

@@ -38,8 +38,8 @@ public:
 
     explicit Transversal(FastProblem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), F_(problem.energy), B_(problem.energy),
-          line_(taps(problem) + 1), a_(taps(problem)), b_(taps(problem)), C_(taps(problem)), theta_(taps(problem)),
-          E_(taps(problem) + 1) {
+          line_((N == Dynamic ? problem.size : N) + 1), a_(problem.size), b_(problem.size), C_(problem.size),
+          theta_(problem.size), E_(problem.size + 1) {
         for (Index i = 0; i < size(); ++i) B_ /= lambda_;
     }
 
@@ -65,9 +65,6 @@ public:
 
     Index size() const { return theta_.size(); }
     auto theta() const { return theta_.view(); }
-
-private:
-    static Index taps(FastProblem<T> const& problem) { return N == Dynamic ? problem.size : N; }
 };
 static_assert(HasTaps<Transversal<double>>);
 

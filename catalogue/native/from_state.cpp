@@ -28,7 +28,8 @@ class Reader {
     std::size_t bytes_;
     std::string layer_ = {};
     Control const* control_ = nullptr;  // whose layer it is
-    std::array<double, 4> actions_{};   // of the guard
+    bool guarded_ = false;
+    std::array<double, 4> actions_{};  // of the guard
     static constexpr std::array<Name, 4> actions{"on_outlier", "on_change", "on_windup", "on_breakdown"};
 
     /// NaN in place of a default.
@@ -37,6 +38,7 @@ class Reader {
     }
     void begin(Name name) {
         layer_ = name;
+        guarded_ = guarded_ || name == "guard";
         control_ = nullptr;
         for_each(Rules<double>{}, [&]<class Rule>() {
             if (detail::rule_name<Rule>() == name) control_ = &control_named(Rule::name);
@@ -82,8 +84,8 @@ public:
         else if (layer_ == "window" && name == "rows") out_.options.window = rows_in(entry.value, bytes_);
     }
     /// The policy with these actions.
-    void find_guard(bool guarded) {
-        if (!guarded) return;
+    void find_guard() {
+        if (!guarded_) return;
         for (NamedPolicy const& named : guard_policies) {
             GuardPolicy const& p = named.policy;
             if (actions_ == std::array{double(p.outlier), double(p.change), double(p.windup), double(p.breakdown)})
@@ -124,13 +126,9 @@ Saved saved(std::span<std::byte const> state) {
 
     auto const entries = entries_in(header, state);
     Reader reader(out, state.size());
-    bool guarded = false;
-    for (std::size_t at = 4; at < entries.size(); at += StateEntry::size) {
-        StateEntry const entry = StateEntry::read(entries.data() + at);
-        guarded = guarded || (entry.kind == 'f' && StateHeader::text(entry.name) == "guard");
-        reader.take(entry);
-    }
-    reader.find_guard(guarded);
+    for (std::size_t at = 4; at < entries.size(); at += StateEntry::size)
+        reader.take(StateEntry::read(entries.data() + at));
+    reader.find_guard();
     while (!out.control_numbers.empty() && std::isnan(out.control_numbers.back())) out.control_numbers.pop_back();
 
     // Only the state's length says how many rows a guard keeps to rebuild from.
