@@ -1,14 +1,10 @@
 // In how many random problems is the form that compare names within half a digit of the best, where evidence that did
 // not choose it judges?
-#include "compare/recommend.hpp"
-#include "studies/published/drawn_problem.hpp"
+#include "studies/published/naming.hpp"
 #include "studies/published/survey_data.hpp"
 
-#include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
-
-#include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,52 +12,9 @@
 namespace rlslab::studies {
 namespace {
 
-using namespace compare;
+using namespace naming;
 
-/// The forms that compare may name: dense, a row at a time. Their list is the catalogue's, so that new ones take part.
-std::vector<std::string> nameable() {
-    std::vector<std::string> out;
-    for (CatalogueEntry const* const entry : one_entry_each())
-        if (entry->block == 1 && cost(entry->variant, 2)) out.emplace_back(entry->variant);
-    return out;
-}
 std::vector<std::string> const long_words{"float", "double"};
-
-/// Nothing where the rows do not determine theta.
-std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders) {
-    Problem<double> const without{
-        .size = records.parameters(), .forgetting = problem.forgetting, .prior = std::nullopt};
-    if (certified(without, records, {records.rows()}).front().status() == Status::singular) return {};
-    return compare::compare(records, {.forgetting = problem.forgetting,
-                                      .p0 = problem.p0,
-                                      .variants = nameable(),
-                                      .arithmetics = {problem.word},
-                                      .seed = orders,
-                                      .threads = 1,
-                                      .timings = false});
-}
-
-std::string named_in(std::optional<Comparison> const& comparison) {
-    return comparison && !comparison->recommendations[0].variant.empty() ? comparison->recommendations[0].variant
-                                                                         : "none";
-}
-
-/// The losses of the forms, infinite for those that broke down.
-struct Losses {
-    std::vector<Result const*> sound;
-    double least = INFINITY;
-
-    explicit Losses(Comparison const& comparison) {
-        for (Result const& r : comparison.results)
-            if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
-        for (Result const* r : sound) least = std::min(least, loss_of(*r, sound).digits);
-    }
-    double of(std::string const& variant) const {
-        for (Result const* r : sound)
-            if (r->entry->variant == variant) return loss_of(*r, sound).digits;
-        return INFINITY;
-    }
-};
 
 /// The form that one record names, judged by that record and by others. What it lacks is in tenths, as the digits are.
 void measure(Trial const& trial, TrialOutput& out) {
@@ -75,7 +28,6 @@ void measure(Trial const& trial, TrialOutput& out) {
         Losses const losses(*by);
         bool const judged = named != "none" && !losses.sound.empty();
         double const none = std::nan("");
-        auto const tenths = [](double x) { return std::round(10 * x) / 10; };
         out({p.word, evidence, double(p.size), double(p.rows), p.regressors, p.spectrum, p.kappa, p.offset, p.direction,
              p.noise, p.forgetting, p.prior, named, double(judged), judged ? tenths(losses.of(named)) : none,
              judged ? tenths(losses.of(named) - losses.least) : none, tenths(losses.of("ud"))});
