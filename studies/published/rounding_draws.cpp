@@ -119,13 +119,14 @@ Study const rounding_draws{
         "derived: the mean of n independent draws has 1 / sqrt(n) of one draw's deviation; rules of "
         "docs/compare.md; the distribution is that of study random_problems, with lambda < 1",
     .formula =
-        R"tex((\psi_k, y_k) \to s (\psi_k, y_k),\quad s = 1, \tfrac{65}{64}, \tfrac{66}{64}, \tfrac{67}{64}: \quad \theta \to \theta,\quad P \to s^{-2} P)tex",
+        R"tex((\psi_k, y_k) \to s (\psi_k, y_k),\quad s = 1, \tfrac{65}{64}, \tfrac{66}{64}, \tfrac{67}{64}: \quad
+\theta \to \theta,\quad P \to s^{-2} P)tex",
     .interpretation =
-        "Where lambda = 1 compare tries four orders of the rows; with forgetting the order is part of the problem, and "
-        "there is one draw of the rounding errors. A record times s has the same theta, and other rounding errors. Four "
-        "of them are averaged as compare averages over orders; the prior keeps its rule, so that c^2 I is 9 % weaker "
-        "at most. Another record of the same problem judges, by one draw or by four. `moved` is by how much the digits "
-        "of theta that ud keeps more than gentleman differ between the two records.",
+        "Where lambda = 1 compare tries four orders of the rows; with forgetting the order is part of the problem, "
+        "and there is one draw of the rounding errors. A record times s has the same theta, and other rounding "
+        "errors. Four of them are averaged as compare averages over orders; the prior keeps its rule, so that c^2 "
+        "I is 9 % weaker at most. Another record of the same problem judges, by one draw or by four. `moved` is by "
+        "how much the digits of theta that ud keeps more than gentleman differ between the two records.",
     .data =
         "600 problems of the distribution of random_problems with lambda < 1, in float and double: those in which one "
         "draw names a form; 24 at the quick budget",
@@ -156,8 +157,8 @@ Study const rounding_draws{
                  return within(t, {}, gain.as(Estimate::mean).over("problem"), 0.02, 0.15);
              },
              own_result("set before the run")},
-            {"what ud keeps more than gentleman moves from record to record by 0.2 to 0.5 digits (root mean square) with "
-             "one draw and by 0.1 to 0.3 with four",
+            {"what ud keeps more than gentleman moves from record to record by 0.2 to 0.5 digits (root mean square) "
+             "with one draw and by 0.1 to 0.3 with four",
              [](Table const& t) {
                  auto const moves = [&](double n, double from, double to) {
                      Table const of = t.where("draws", n).where("judge", n).where("moved", [](double x) {
