@@ -5,6 +5,10 @@
 
 #include <rlslab/core/random.hpp>
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace rlslab::studies {
 
 /// A problem of the distribution. Its records are drawn apart: two realisations have this in common and nothing else.
@@ -23,7 +27,7 @@ namespace rlslab::studies {
 ///   lambda   1 in a half; else the memory 1 / (1 - lambda) is log-uniform from max(10, 2 d) to 10^4
 ///   prior    a third each: what compare proposes, 2^14 I (C++'s default), c^2 I with c^2 = 10^(10 x)
 struct DrawnProblem {
-    Index size, rows;
+    Index size = 0, rows = 0;
     std::string word, regressors, spectrum;
     int order = 1;  ///< of the autoregression
     double kappa = 1, offset = 0;

@@ -4,6 +4,8 @@
 #include "compare/recommend.hpp"
 #include "studies/published/drawn_problem.hpp"
 
+#include <cmath>
+
 namespace rlslab::studies::naming {
 
 using compare::Comparison;
