@@ -54,6 +54,12 @@ Matrix<double> triangle(M const& A, std::function<double(Index)> const& printed_
 struct Solution {
     M P, theta;
 };
+/// Thrown where a filter's numbers are not finite.
+struct Broken {};
+Q rational_of(Reference const& x) {
+    double const y = static_cast<double>(x);
+    return std::isfinite(y) ? Q(y) : throw Broken{};
+}
 Solution exactly(M P, M theta, M const& C, M const& Y) {
     for (Index k = 0; k < C.rows(); ++k) {
         V const psi = C.row(k).transpose(), f = P.lazyProduct(psi);
@@ -80,11 +86,11 @@ Solution by(CatalogueEntry const& entry, M const& P0, M const& theta0, M const& 
             filter->update(psi, stored(Y(k, j)));
         }
         Vector<Reference> const theta = filter->theta();
-        for (Index i = 0; i < theta.size(); ++i) out.theta(i, j) = Q(static_cast<double>(theta[i]));
+        for (Index i = 0; i < theta.size(); ++i) out.theta(i, j) = rational_of(theta[i]);
         if (j > 0) continue;
         Matrix<Reference> const P = covariance_of(filter->stored());
         for (Index b = 0; b < P.cols(); ++b)
-            for (Index a = 0; a <= b; ++a) out.P(a, b) = out.P(b, a) = Q(static_cast<double>(P(a, b)));
+            for (Index a = 0; a <= b; ++a) out.P(a, b) = out.P(b, a) = rational_of(P(a, b));
     }
     return out;
 }
@@ -239,7 +245,7 @@ void fast_qr(Run const& run, CatalogueEntry const& entry, Index samples) {
         M P(2, 2);
         Matrix<Reference> const stored = covariance_of(f.stored());
         for (Index j = 0; j < 2; ++j)
-            for (Index i = 0; i <= j; ++i) P(i, j) = P(j, i) = Q(static_cast<double>(stored(i, j)));
+            for (Index i = 0; i <= j; ++i) P(i, j) = P(j, i) = rational_of(stored(i, j));
         Matrix<double> const U = triangle(inverse(P), [](Index) { return 1; });
         double const a = static_cast<double>(f.theta()[0]), b = static_cast<double>(f.theta()[1]);
         return Rotated{U, {U(0, 0) * a + U(0, 1) * b, U(1, 1) * b}};
@@ -269,7 +275,7 @@ void fast_forms_of(Run const& run, std::string const& form, Index samples) {
     });
 }
 
-void measure(Trial const& trial, TrialOutput& out) {
+void run_program(Trial const& trial, TrialOutput& out) {
     std::string const &program = trial.text("program"), &form = trial.text("form");
     bool const all = trial.text("rows") == "all", rational = form == "rationals";
     CatalogueEntry const* const entry = find_entry(form, trial.text("arithmetic"));
@@ -303,17 +309,22 @@ void measure(Trial const& trial, TrialOutput& out) {
             run, transposed(of(4, 4, A)), of(4, 2, {-.8805, 1.3257, 0, .5207, 0, 0, 0, 0}),
             {-.8731, -1.1461, -1.0260, -.8901, 0, -.2763, -.1929, -.3763, 0, 0, -.1110, -.1051, 0, 0, 0, .3120},
             {-2.0688, -.7814, 2.2181, .9298});
-    } else if (program == "FB01VD") {
-        try {
-            conventional_filter(run);
-        } catch (std::invalid_argument const&) {
-            out({std::string("refused"), 0.0, 0.0, 0.0, -1.0});
-        }
-    } else if (program == "MB02ID") toeplitz(run);
+    } else if (program == "FB01VD") conventional_filter(run);
+    else if (program == "MB02ID") toeplitz(run);
     else if (program == "MB02QD") rank_deficient(run);
     else if (program == "MB04OD") updated_triangle(run);
     else if (Index const samples = all ? 500 : 499; entry) fast_qr(run, *entry, samples);
     else fast_forms_of(run, form, samples);
+}
+
+void measure(Trial const& trial, TrialOutput& out) {
+    try {
+        run_program(trial, out);
+    } catch (std::invalid_argument const&) {
+        out({"refused", 0.0, 0.0, 0.0, -1.0});
+    } catch (Broken const&) {
+        out({"broken", 0.0, 0.0, 0.0, INFINITY});
+    }
 }
 
 std::vector<Cell> fast_names() {
