@@ -133,7 +133,10 @@ Study const rotation_angles{
     .interpretation =
         "One hundred rows, then one more in which one rotation turns by phi too much; both updates are written out, "
         "the variants' pages let no angle be changed. theta and y play no part. The bounds differ by R_jj sqrt(P_jj), "
-        "which does not depend on the columns' units: in rotated directions it is up to the condition number.",
+        "which does not depend on the columns' units: in rotated directions it is up to the condition number. Single "
+        "groups of 20 seeds leave the slopes undecided: within one, the worst rotation of qr differs by a factor of "
+        "40 between seeds, in the median over groups. Over a finite range of kappa the mean of R_11 sqrt(P_11) grows "
+        "less than kappa, as kappa to the power 0.9 from 10 to 1e4 for eight geometric singular values.",
     .data = "rotated spectra and columns in other units, condition 10 to 1e4; lambda 1, 0.99, 0.9",
     .factors =
         [](Budget budget) {

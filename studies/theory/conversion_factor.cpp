@@ -168,13 +168,13 @@ Study const conversion_factor{
 \text{rms} \approx 2\sqrt{\lambda(1-\lambda)}\,\bigl(1 - \tfrac{(d+1)(1-\lambda)}{2}\bigr) \text{ of it} \\
 &|R_{ij}| \le \max|\psi_{kj}| / \sqrt{1-\lambda} \end{aligned})tex",
     .interpretation =
-        "Means are over 100 or 400 memories after 20 that forget the start. theta and y play no part. The mean logarithm "
-        "of the conversion factor follows from stationarity alone, whatever the rows; its mean and the gain's size are "
-        "first-order laws of independent rows. P of Fibonacci numbers is definite in whole numbers at any condition: a "
-        "gamma outside (0, 1] that comes from it proves rounding, not an indefinite P. Eight columns in units from 1 to "
-        "10^7 with P0 = 16384 I leave symmetric a P that is not definite in the first rows: gamma outside of (0, 1] and "
-        "a gain above its bound show it. Rows of signs and a constant row round in the same direction at each step, so "
-        "that the squared lengths of qr's columns are off by 3 to 4 u / (1 - lambda), twice what random rows leave.",
+        "Means are over 100 or 400 memories after 20 that forget the start. theta and y play no part. The mean "
+        "logarithm of the conversion factor follows from stationarity alone, whatever the rows; its mean and the "
+        "gain's size are first-order laws of independent rows. P of Fibonacci numbers is definite in whole numbers at "
+        "any condition: a gamma outside (0, 1] that comes from it proves rounding, not an indefinite P. Eight columns "
+        "in units from 1 to 10^7 with P0 = 16384 I leave symmetric a P that is not definite in the first rows: a "
+        "gamma outside of (0, 1] and a gain above its bound show it. Rows of signs and a constant row are rounded in "
+        "the same direction at each step: the squared lengths of qr's columns are off by 3 to 4 u / (1 - lambda).",
     .data =
         "white rows, a delay line with pole 0.9, columns in units 1 to 10^(d-1), three spectra of condition 1e3 in "
         "rotated directions, signs, a constant; P of Fibonacci numbers",
