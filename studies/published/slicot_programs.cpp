@@ -247,14 +247,15 @@ void fast_qr(Run const& run, CatalogueEntry const& entry, Index samples) {
         double const a = static_cast<double>(f.theta()[0]), b = static_cast<double>(f.theta()[1]);
         return Rotated{U, {U(0, 0) * a + U(0, 1) * b, U(1, 1) * b}};
     };
-    auto const [U, z] = rotated(*filter);
+    Rotated const own = rotated(*filter);
+    Matrix<double> const& U = own.U;
     Numbers const ahead = rotated(*predictor).z;
     double const first = input(samples) / U(0, 0),
                  backward[] = {first, (input(samples - 1) - U(0, 1) * first) / U(1, 1), std::sqrt(gamma)};
     run.compare(
         "XF", 1, {4.880088, -1.456881}, [&](Index i, Index) { return ahead[size_t(i)]; }, 6);
     run.compare(
-        "YQ", 1, {12.307615, 2.914057}, [&](Index i, Index) { return z[size_t(i)]; }, 6);
+        "YQ", 1, {12.307615, 2.914057}, [&](Index i, Index) { return own.z[size_t(i)]; }, 6);
     run.compare(
         "EPSBCK", 1, {-.140367, -.140367, .980099}, [&](Index i, Index) { return backward[i]; }, 6);
     run.compare(
