@@ -171,7 +171,7 @@ std::vector<Folder> const house{
     {"tests/many", {"tests/common"}},
     {"tests/fast", {"tests/common", "fast"}},
     {"tests/fast/peer", {"tests/fast", "bench"}},
-    {"tests/variants", {"tests/common", "compare", "studies/engine"}},
+    {"tests/variants", {"tests/common", "compare", "studies/engine", "studies/gain"}},
     {"tests/catalogue", {"tests/common"}},
     {"tests/report", {"tests/common", "report"}},
     {"tests/compare", {"tests/common", "compare"}},
