@@ -108,15 +108,23 @@ Judgement slope_of_theta(Table const& t, std::string const& theta, std::string c
     return labelled(theta + ", " + basis, within(rows, {}, growth("ud", 0), from, to));
 }
 
-Plot map_plot(std::string regime, std::string basis) {
-    return {.title = "Winner and predicted regions: " + regime + ", " + basis,
+/// Letters of the families within half a digit of the best plain form, and the borders of the laws.
+Plot map_plot(std::string const& regime, std::string const& basis) {
+    return {.title = regime + (basis == "rotated" ? ", rotated directions" : ", units of the columns") +
+                     ". Within half a digit of the best plain form: S, P stored; F, a factor. Lines: foretold borders",
             .x = "kappa_exponent",
-            .y = "P_symmetric",
+            .y = "within",
             .series = "prior_exponent",
             .log = "",
-            .x_label = "log kappa / log 1/u",
-            .y_label = "digits of P in symmetric",
-            .where = {{"regime", {regime}}, {"basis", {basis}}},
+            .x_label = "log kappa / log (1/u)",
+            .y_label = "share of runs",
+            .where = {{"regime", {regime}},
+                      {"basis", {basis}},
+                      {"size", {"4"}},
+                      {"spectrum", {"geometric"}},
+                      {"theta", {"generic"}},
+                      {"noise", {"0.001"}}},
+            .guides = {{"foretold", {}}},
             .cells = true};
 }
 
@@ -141,8 +149,9 @@ Study const winner_map{
     .admits = admits,
     .measures = map_measures(),
     .measure = measure_map,
-    .plots = {map_plot("float memory 100", "rotated"), map_plot("float 100 rows", "rotated"),
-              map_plot("float memory 10000", "rotated"), map_plot("float 100 rows", "units")},
+    .plots = {map_plot("float memory 100", "rotated"), map_plot("float memory 10000", "rotated"),
+              map_plot("float 100 rows", "rotated"), map_plot("float 100 rows", "units"),
+              map_plot("11 bits memory 100", "rotated"), map_plot("double 4096 rows", "rotated")},
     .claims =
         {
             {"P stored, sound: the law of P is right to half a digit in at least 75 % of runs",

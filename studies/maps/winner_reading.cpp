@@ -10,9 +10,6 @@
 namespace rlslab::studies {
 namespace {
 
-size_t place_of(std::string_view form) { return size_t(std::ranges::find(all_forms(), form) - all_forms().begin()); }
-bool is_broken(MapDigits const& digits) { return !(digits[0] == digits[0] && digits[2] == digits[2]); }
-
 double log_kappa(MapRun const& run) { return -correctly::log10(run.at.sigma.back()); }
 
 /// What the forms that store P lose more than the plain factors; at most 6.
@@ -36,42 +33,6 @@ double boundary(std::vector<MapRun> const& line) {
 }
 
 }  // namespace
-
-MapDigits const& MapRun::of(std::string_view form) const { return kept[place_of(form)]; }
-
-MapDigits MapRun::law(std::string_view form) const {
-    MapLaw const law = law_of(form, at);
-    auto const digits = [&](double error) { return law.broken ? NAN : -correctly::log10(std::min(error, 1.0)); };
-    return {digits(law.theta), digits(law.theta), digits(law.covariance)};
-}
-
-MapRun MapRun::foretold() const {
-    MapRun out = *this;
-    for (size_t i = 0; i < kept.size(); ++i) out.kept[i] = law(all_forms()[i]);
-    return out;
-}
-
-double MapRun::loss(std::string_view form, std::vector<std::string> const& forms) const {
-    MapDigits const& own = of(form);
-    if (is_broken(own)) return INFINITY;
-    double out = 0;
-    for (std::string const& other : forms)
-        if (MapDigits const& digits = of(other); !is_broken(digits))
-            for (size_t m = 0; m < own.size(); ++m)
-                if (digits[m] > own[m]) out = std::max(out, digits[m] - own[m]);
-    return out;
-}
-
-double MapRun::loss_of_family(std::string_view family, std::vector<std::string> const& forms) const {
-    double out = INFINITY;
-    for (std::string const& form : forms)
-        if (family_in_map(form) == family) out = std::min(out, loss(form, forms));
-    return out;
-}
-
-std::string_view MapRun::winner(std::vector<std::string> const& forms) const {
-    return family_in_map(*std::ranges::min_element(forms, {}, [&](std::string const& f) { return loss(f, forms); }));
-}
 
 std::vector<MapRun> runs_of(Table const& t) {
     std::vector<MapRun> out;

@@ -5,32 +5,9 @@
 #include <rlslab/studies/scenarios.hpp>
 #include "studies/maps/winner_run.hpp"
 
-#include <array>
 #include <optional>
 
 namespace rlslab::studies {
-
-/// Of theta, its worst component, P. NaN: broken down.
-using MapDigits = std::array<double, 3>;
-
-/// One run, or the median of the runs of a cell: digits of each form.
-struct MapRun {
-    MapCell at;
-    std::string line;  ///< the cell's name without its condition
-    double exponent;   ///< of the condition
-    std::vector<MapDigits> kept;
-
-    MapDigits const& of(std::string_view form) const;
-    MapDigits law(std::string_view form) const;
-    /// The same with the digits of the laws.
-    MapRun foretold() const;
-    /// The largest loss of the form to the best of these; infinity if it broke down.
-    double loss(std::string_view form, std::vector<std::string> const& forms) const;
-    /// The least loss of a family's forms.
-    double loss_of_family(std::string_view family, std::vector<std::string> const& forms) const;
-    /// The family of the form that loses least.
-    std::string_view winner(std::vector<std::string> const& forms) const;
-};
 
 /// In the order of the table.
 std::vector<MapRun> runs_of(Table const& t);

@@ -96,8 +96,59 @@ std::vector<std::string> map_measures() {
     std::vector<std::string> out;
     for (std::string const& form : all_forms())
         for (char const* const of : {"theta_", "worst_", "P_"}) out.push_back(of + form);
+    out.insert(out.end(), {"within", "foretold"});
     return out;
 }
+
+MapDigits const& MapRun::of(std::string_view form) const {
+    return kept[size_t(std::ranges::find(all_forms(), form) - all_forms().begin())];
+}
+
+MapDigits MapRun::law(std::string_view form) const {
+    MapLaw const law = law_of(form, at);
+    auto const digits = [&](double error) { return law.broken ? NAN : -correctly::log10(std::min(error, 1.0)); };
+    return {digits(law.theta), digits(law.theta), digits(law.covariance)};
+}
+
+MapRun MapRun::foretold() const {
+    MapRun out = *this;
+    for (size_t i = 0; i < kept.size(); ++i) out.kept[i] = law(all_forms()[i]);
+    return out;
+}
+
+double MapRun::loss(std::string_view form, std::vector<std::string> const& forms) const {
+    MapDigits const& own = of(form);
+    if (is_broken(own)) return INFINITY;
+    double out = 0;
+    for (std::string const& other : forms)
+        if (MapDigits const& digits = of(other); !is_broken(digits))
+            for (size_t m = 0; m < own.size(); ++m)
+                if (digits[m] > own[m]) out = std::max(out, digits[m] - own[m]);
+    return out;
+}
+
+double MapRun::loss_of_family(std::string_view family, std::vector<std::string> const& forms) const {
+    double out = INFINITY;
+    for (std::string const& form : forms)
+        if (family_in_map(form) == family) out = std::min(out, loss(form, forms));
+    return out;
+}
+
+std::string_view MapRun::winner(std::vector<std::string> const& forms) const {
+    return family_in_map(*std::ranges::min_element(forms, {}, [&](std::string const& f) { return loss(f, forms); }));
+}
+
+std::string MapRun::letters() const {
+    auto const is_within = [&](char const* family) { return loss_of_family(family, plain_forms()) <= 0.5; };
+    std::string out;
+    if (is_within("stored")) out += 'S';
+    if (is_within("factor")) out += 'F';
+    if (out.empty() && is_within("joseph")) out += 'J';
+    if (out.empty() && is_within("information")) out += 'I';
+    return out.empty() ? "none" : out;
+}
+
+bool is_broken(MapDigits const& digits) { return !(digits[0] == digits[0] && digits[2] == digits[2]); }
 
 void measure_map(Trial const& trial, TrialOutput& out) {
     MapRegime const& regime = map_regime(trial.text("regime"));
@@ -120,6 +171,7 @@ void measure_map(Trial const& trial, TrialOutput& out) {
         if (problem.size < 32 || part == 0.9) steps.push_back(Index(std::lround(part * double(regime.rows))));
     std::vector<CertifiedSolution> const exact = certified(problem, records, steps, 22);
     std::vector<Cell> row;
+    MapRun run{.at = at};
     for (std::string const& form : all_forms()) {
         auto const filter = entry(form).make(problem, Seed{1});
         std::vector<double> theta, worst, P;
@@ -139,9 +191,14 @@ void measure_map(Trial const& trial, TrialOutput& out) {
             worst.push_back(e.theta_digits_worst(filter->theta()));
             P.push_back(e.covariance_digits(filter->stored()));
         }
-        for (std::vector<double> const& digits : {theta, worst, P})
-            row.emplace_back(broken ? std::nan("") : rounded(median(digits)));
+        auto const middle_of = [&](std::vector<double> const& digits) {
+            return broken ? std::nan("") : rounded(median(digits));
+        };
+        run.kept.push_back({middle_of(theta), middle_of(worst), middle_of(P)});
+        for (double const digits : run.kept.back()) row.emplace_back(digits);
     }
+    row.emplace_back(run.letters());
+    row.emplace_back(run.foretold().letters());
     out(row);
 }
 

@@ -61,6 +61,7 @@ Table obedient(double sabotage) {
             for (double const error : {law.theta, law.theta, law.covariance})
                 row.emplace_back(broken - std::log10(std::min(error, 1.0)) - less);
         }
+        row.insert(row.end(), {"S", "F"});
         EXPECT_EQ(row.size(), factors + map_measures().size());
         out.add(row);
     }
