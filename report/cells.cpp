@@ -71,11 +71,12 @@ std::string cells_group(Figure const& figure, Panel const& panel, Cells const& c
         std::string const text = i < curve.says.size() ? curve.says[i] : fmt::format("{:.2g}", curve.y[i]);
         if (part == part && right - left > (curve.says.empty() ? 11 : 15) * text_width(text) + 6 && height > 17)
             texts += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", fixed((left + right) / 2),
-                                 fixed(bottom - height / 2 + 4), part > 0.55 ? "#fff" : "#1a1a1a", tick_text(text));
+                                 fixed(bottom - height / 2 + 4), part > 0.55 ? "#fff" : "#1a1a1a",
+                                 i < curve.says.size() ? escaped_xml(text) : tick_text(text));
     }
     for (Curve const& region : panel.guides) {
         auto const word = [&](size_t column, size_t row) -> std::string const* {
-            for (size_t i = 0; i < region.says.size(); ++i)
+            for (size_t i = 0; i < std::min({region.says.size(), region.x.size(), region.row.size()}); ++i)
                 if (column < cells.places.size() && row < cells.rows.size() && region.x[i] == cells.places[column] &&
                     region.row[i] == cells.rows[row])
                     return &region.says[i];
