@@ -29,10 +29,15 @@ struct Sizes {
     double n, h, q;       // sums over rows: of transports, of squared differences, of both
     double size, first;   // |theta_N|, its part along v_1
     double s;             // the noise in theta_N
+    // What the correction changes: the weight of the start in P, the part of the terms with kappa, roundings of D, and
+    // the errors with which definiteness ends.
+    double start = 0, part = 1, part_late = 1, of_D = 1, end = 1.0 / 3;
+    double gain = 0;  // the noise of theta with which errors of the gain are multiplied in a factor
 };
 
-Sizes sizes_of(MapCell const& at) {
+Sizes sizes_of(MapCell const& at, Laws laws) {
     Sizes x{};
+    bool const corrected = laws == Laws::corrected;
     bool const forgets = at.lambda < 1;
     x.a = rounding * at.u(), x.a2 = forgets ? std::sqrt(2) * x.a : x.a;
     x.m = forgets ? 1 / (1 - at.lambda) : at.rows;
@@ -44,15 +49,21 @@ Sizes sizes_of(MapCell const& at) {
         double const g = share(sigma);
         x.total += sigma * sigma, mean += g * g / x.d;
         x.s += g * g / (sigma * sigma);
+        if (corrected) x.kappa2 = std::max(x.kappa2, g / (sigma * sigma)), x.kappa = std::max(x.kappa, g / sigma);
     }
     double const last = at.sigma.back();
     x.t = x.total - last * last;
-    x.g = share(last), x.kappa2 = x.g / (last * last), x.kappa = x.g / last;
+    double const g = share(last);
+    if (!corrected) x.kappa2 = g / (last * last), x.kappa = g / last;
+    x.g = x.kappa * x.kappa / x.kappa2;
+    x.start = !corrected ? x.forgotten * x.forgotten : at.rotated ? 0.5 * x.forgotten : x.forgotten / x.d;
+    if (corrected) x.part = 0.25, x.part_late = 0.0625, x.of_D = 2, x.end = 0.6;
     x.n = forgets ? 1 / std::sqrt(1 - at.lambda * at.lambda) : std::sqrt(at.rows / 3);
-    x.h = forgets ? 0.129 / std::sqrt(x.m) : 0.577 / std::sqrt(x.m);
-    x.q = forgets ? 0.224 : 0.408;
+    x.h = (!forgets ? 0.577 : corrected ? 0.289 : 0.129) / std::sqrt(x.m);
+    x.q = forgets && !corrected ? 0.224 : 0.408;
     x.s = at.noise * std::sqrt(x.s / (forgets ? 2 * x.m : x.m));
-    double const along = at.theta == "v_1" ? share(at.sigma.front()) : at.theta == "v_d" ? x.g : std::sqrt(mean);
+    x.gain = corrected ? x.kappa2 * at.noise / std::sqrt(forgets ? 2 * x.m : x.m) : x.kappa * x.s;
+    double const along = at.theta == "v_1" ? share(at.sigma.front()) : at.theta == "v_d" ? g : std::sqrt(mean);
     x.size = together(along, x.s);
     double const generic = 1 / std::sqrt(x.d);
     x.first = at.rotated ? generic : (at.theta == "v_1" ? 1 : at.theta == "v_d" ? 0 : generic) * along / x.size;
@@ -73,24 +84,23 @@ MapLaw stored(std::string_view form, MapCell const& at, Sizes const& x) {
                          : at.lambda < 1 ? x.h * (1 + steep / x.m)
                                          : together(x.h, steep / (x.m * std::sqrt(x.d)));
     double const weakest = at.rotated ? x.a2 * spread * x.t * x.kappa2 : 0,
-                 start = x.a * std::sqrt(2) * at.c2 * total * products,
-                 early = start * x.d / x.m * x.forgotten * x.forgotten * x.g, late = weakest * x.g * later,
-                 across = at.rotated ? 2 * x.a2 * spread * steep * x.q : 0;
+                 start = x.a * std::sqrt(2) * at.c2 * total * products, early = start * x.d / x.m * x.start * x.g,
+                 late = weakest * x.g * later, across = at.rotated ? 2 * x.a2 * spread * steep * x.q : 0;
     double own = x.a2 * x.n * (joseph ? std::sqrt(x.d) : 1);
     if (conventional)  // its antisymmetric part is never damped
         own = together(own, at.lambda < 1 ? x.a * (std::sqrt(x.m) + at.c2 * x.m / x.kappa2) / x.forgotten
                                           : x.a * (at.rows + at.c2 * at.rows / x.kappa2));
-    double const theta = together(own_theta(x), weakest * x.q * x.s / x.size,
+    double const theta = together(own_theta(x), x.part * weakest * x.q * x.s / x.size,
                                   start / std::sqrt(2) * x.s / (std::sqrt(x.m * x.d) * x.size) * x.forgotten);
     double const lost = std::max(weakest * x.n * (joseph ? 1 + steep / x.m : 1), start / std::sqrt(2));
-    return {theta, together(own, early, late, across), lost > 1.0 / 3};
+    return {theta, together(own, early, late, across), lost > x.end};
 }
 
 /// Item 107, the last.
 MapLaw information(MapCell const& at, Sizes const& x) {
     double const weakest = at.rotated ? x.a2 * std::sqrt(2) / x.d * x.t * x.kappa2 : 0,
                  P = together(x.a2 * x.n, weakest * x.n);
-    return {together(own_theta(x), P), P, weakest * x.n > 1.0 / 3};
+    return {together(own_theta(x), P), P, weakest * x.n > x.end};
 }
 
 /// Item 108: the drift of the plain forms.
@@ -114,14 +124,15 @@ double drift_of(std::string_view form, MapCell const& at, Sizes const& x) {
 MapLaw factor(std::string_view form, MapCell const& at, Sizes const& x) {
     bool const delta = form.ends_with("_delta"), root = form != "ud" && form != "gentleman" && form != "ud_delta";
     double const n = form == "extended_qr" ? std::sqrt(at.rows) : x.n,
-                 steep = at.rotated ? 2 * std::sqrt(2) * x.a * x.kappa * std::sqrt(x.t / x.d) * x.q : 0,
+                 steep = at.rotated ? 2 * std::sqrt(2) * x.part * x.a * x.kappa * std::sqrt(x.t / x.d) * x.q : 0,
                  N = at.u() * at.rows,
                  drift = !delta          ? drift_of(form, at, x)
                          : at.lambda < 1 ? 0
                                          : (root ? 0.097 : 0.034) * N * std::sqrt(N),
                  start = form == "potter" ? 1.1 * at.u() * std::sqrt(at.c2 * x.total) * x.forgotten : 0;
-    double const P = together(x.a * (root ? 2 : 1) * n, drift, steep, start * x.d / x.m);
-    double const theta = together(own_theta(x), steep * x.s / x.size, start * x.s / (std::sqrt(x.m * x.d) * x.size));
+    double const P = together(x.a * (root ? 2 : delta ? 1 : x.of_D) * n, drift, steep, start * x.d / x.m);
+    double const theta =
+        together(own_theta(x), steep * x.gain / (x.kappa * x.size), start * x.s / (std::sqrt(x.m * x.d) * x.size));
     return {theta, P};
 }
 
@@ -129,8 +140,8 @@ MapLaw factor(std::string_view form, MapCell const& at, Sizes const& x) {
 
 double MapCell::u() const { return std::ldexp(1, -bits); }
 
-MapLaw law_of(std::string_view form, MapCell const& at) {
-    Sizes const x = sizes_of(at);
+MapLaw law_of(std::string_view form, MapCell const& at, Laws laws) {
+    Sizes const x = sizes_of(at, laws);
     std::string_view const family = family_in_map(form);
     if (family == "information") return information(at, x);
     return family == "factor" || family == "delta" ? factor(form, at, x) : stored(form, at, x);

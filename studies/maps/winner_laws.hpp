@@ -26,7 +26,9 @@ struct MapLaw {
     double theta, covariance;
     bool broken = false;
 };
-MapLaw law_of(std::string_view form, MapCell const& at);
+/// As registered before the run, or as corrected after it (items 107 to 110 say how).
+enum class Laws { registered, corrected };
+MapLaw law_of(std::string_view form, MapCell const& at, Laws laws = Laws::registered);
 
 /// "stored": P in a form that subtracts; "joseph"; "factor"; "delta": of item 91; "information".
 std::string_view family_in_map(std::string_view form);

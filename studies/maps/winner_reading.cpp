@@ -32,6 +32,14 @@ double boundary(std::vector<MapRun> const& line) {
     return 2 * log_kappa(line.back()) - log_kappa(line[line.size() - 2]);
 }
 
+/// Of those for which it says anything.
+double share(std::vector<MapRun> const& runs, std::function<std::optional<bool>(MapRun const&)> const& holds) {
+    double hits = 0, all = 0;
+    for (MapRun const& run : runs)
+        if (std::optional<bool> const one = holds(run)) hits += *one, ++all;
+    return hits / all;
+}
+
 }  // namespace
 
 std::vector<MapRun> runs_of(Table const& t) {
@@ -69,17 +77,15 @@ std::vector<MapRun> medians_of(Table const& t) {
 }
 
 Statistic of_runs(std::function<std::optional<bool>(MapRun const&)> holds) {
-    return [=](Table const& t) {
-        double hits = 0, all = 0;
-        for (MapRun const& run : runs_of(t))
-            if (std::optional<bool> const one = holds(run)) hits += *one, ++all;
-        return hits / all;
-    };
+    return [=](Table const& t) { return share(runs_of(t), holds); };
+}
+Statistic of_cells(std::function<std::optional<bool>(MapRun const&)> holds) {
+    return {[=](Table const& t) { return share(medians_of(t), holds); }, Estimate::fixed};
 }
 
-Statistic family_foretold(std::vector<std::string> const& forms) {
+Statistic family_foretold(std::vector<std::string> const& forms, Laws laws) {
     return of_runs([=](MapRun const& run) -> std::optional<bool> {
-        return run.loss_of_family(run.foretold().winner(forms), forms) <= 0.5;
+        return run.loss_of_family(run.foretold(laws).winner(forms), forms) <= 0.5;
     });
 }
 
@@ -87,15 +93,15 @@ Statistic family_within(std::string family, std::vector<std::string> const& form
     return of_runs([=](MapRun const& run) -> std::optional<bool> { return run.loss_of_family(family, forms) <= most; });
 }
 
-Statistic loss_foretold(std::string form, double most) {
+Statistic loss_foretold(std::string form, double most, Laws laws) {
     return of_runs([=](MapRun const& run) -> std::optional<bool> {
-        double const measured = run.loss(form, all_forms()), law = run.foretold().loss(form, all_forms());
+        double const measured = run.loss(form, all_forms()), law = run.foretold(laws).loss(form, all_forms());
         if (std::isinf(measured) || std::isinf(law)) return {};
         return std::abs(measured - law) <= most;
     });
 }
 
-Statistic boundaries_foretold(double most) {
+Statistic boundaries_foretold(double most, Laws laws) {
     return [=](Table const& t) {
         std::map<std::string, std::vector<MapRun>> lines;
         for (MapRun& run : runs_of(t)) lines[run.line].push_back(std::move(run));
@@ -103,9 +109,9 @@ Statistic boundaries_foretold(double most) {
         for (auto& [name, line] : lines) {
             if (line.size() < 2) continue;
             std::ranges::sort(line, {}, &MapRun::exponent);
-            std::vector<MapRun> laws;
-            for (MapRun const& run : line) laws.push_back(run.foretold());
-            double const measured = boundary(line), law = boundary(laws), first = log_kappa(line.front()),
+            std::vector<MapRun> foretold;
+            for (MapRun const& run : line) foretold.push_back(run.foretold(laws));
+            double const measured = boundary(line), law = boundary(foretold), first = log_kappa(line.front()),
                          last = log_kappa(line.back());
             auto const inside = [&](double x) { return first < x && x <= last; };
             if (!inside(measured) && !inside(law)) continue;
@@ -116,12 +122,7 @@ Statistic boundaries_foretold(double most) {
 }
 
 Statistic cells_lost(std::string form, std::vector<std::string> const& forms, double least_loss) {
-    return [=](Table const& t) {
-        std::vector<MapRun> const cells = medians_of(t);
-        return double(
-                   std::ranges::count_if(cells, [&](MapRun const& c) { return c.loss(form, forms) >= least_loss; })) /
-               double(cells.size());
-    };
+    return of_cells([=](MapRun const& cell) -> std::optional<bool> { return cell.loss(form, forms) >= least_loss; });
 }
 
 Statistic largest_loss(std::string form, std::vector<std::string> const& forms) {

@@ -104,15 +104,15 @@ MapDigits const& MapRun::of(std::string_view form) const {
     return kept[size_t(std::ranges::find(all_forms(), form) - all_forms().begin())];
 }
 
-MapDigits MapRun::law(std::string_view form) const {
-    MapLaw const law = law_of(form, at);
+MapDigits MapRun::law(std::string_view form, Laws laws) const {
+    MapLaw const law = law_of(form, at, laws);
     auto const digits = [&](double error) { return law.broken ? NAN : -correctly::log10(std::min(error, 1.0)); };
     return {digits(law.theta), digits(law.theta), digits(law.covariance)};
 }
 
-MapRun MapRun::foretold() const {
+MapRun MapRun::foretold(Laws laws) const {
     MapRun out = *this;
-    for (size_t i = 0; i < kept.size(); ++i) out.kept[i] = law(all_forms()[i]);
+    for (size_t i = 0; i < kept.size(); ++i) out.kept[i] = law(all_forms()[i], laws);
     return out;
 }
 

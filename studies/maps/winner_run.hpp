@@ -44,9 +44,9 @@ struct MapRun {
     std::vector<MapDigits> kept = {};
 
     MapDigits const& of(std::string_view form) const;
-    MapDigits law(std::string_view form) const;
+    MapDigits law(std::string_view form, Laws laws = Laws::registered) const;
     /// The same with the digits of the laws.
-    MapRun foretold() const;
+    MapRun foretold(Laws laws = Laws::registered) const;
     /// The largest loss of the form to the best of these; infinity if it broke down.
     double loss(std::string_view form, std::vector<std::string> const& forms) const;
     /// The least loss of a family's forms.
