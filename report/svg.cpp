@@ -130,7 +130,7 @@ std::string svg(Figure const& figure) {
     double const panel_height = words ? 330 : columns == 1 ? (figure.square ? 620 : 470) : columns == 2 ? 340 : 280;
     std::string out;
     double y = 24;
-    for (std::string const& line : wrapped(figure.title, title, width - 20, 4)) {
+    for (std::string const& line : wrapped(figure.title, title, width - (words ? 60 : 20), 4)) {
         out += text_at(width / 2, y, line,
                        fmt::format("font-size=\"{}\" font-weight=\"600\" text-anchor=\"middle\"", title));
         y += 20;

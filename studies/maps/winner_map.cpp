@@ -84,7 +84,7 @@ Statistic definiteness_foretold(Laws laws) {
         return is_broken(run.of("symmetric")) == law_of("symmetric", run.at, laws).broken;
     });
 }
-Basis found() { return own_result("set after the run at seed 1 and before that at seed 2"); }
+Basis found() { return own_result("set after the run at seed 1; seed 2 had not been run"); }
 
 /// Digits of one number that `form` keeps more than `other`; 9 and -9 where one of the two is broken.
 Statistic more(std::string const& form, std::string const& other, size_t measure) {
@@ -291,8 +291,8 @@ Study const winner_map{
                  return within(base(t), {}, largest_loss("ud_delta", all_forms()).as(Estimate::fixed), 0.2, 0.8);
              },
              predicted("108")},
-            {"by cells, medians of their runs: the best of the foretold family is within half a digit of the best plain "
-             "form in at least 95 %, and of all forms in at least 95 %",
+            {"by cells, medians of their runs: the best of the foretold family is within half a digit of the best "
+             "plain form in at least 95 %, and of all forms in at least 95 %",
              [](Table const& t) {
                  auto const of = [&](std::vector<std::string> const& forms) {
                      return within(base(t), {}, of_cells([&](MapRun const& cell) -> std::optional<bool> {

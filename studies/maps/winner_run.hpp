@@ -27,9 +27,9 @@ std::vector<std::string> const& all_forms();
 MapCell map_cell(std::function<Cell const&(std::string_view)> const& value);
 
 /// theta_FORM, worst_FORM and P_FORM, digits kept: medians at 85, 90, 95 and 100 % of the rows. NaN: P was not definite
-/// at one of the looks, at rows 1, 2, 4 ... and those. Then `within` and `foretold`, letters of families whose best form
-/// loses at most half a digit to the best plain form: S, P stored, and F, a plain factor, or both; J, joseph, and I,
-/// information, where neither does.
+/// at one of the looks, at rows 1, 2, 4 ... and those. Then `within` and `foretold`, letters of families whose best
+/// form loses at most half a digit to the best plain form: S, P stored, and F, a plain factor, or both; J, joseph, and
+/// I, information, where neither does.
 std::vector<std::string> map_measures();
 void measure_map(Trial const& trial, TrialOutput& out);
 
