@@ -41,7 +41,8 @@ def text(x):
 
 def losses_by_form(table, forms):
     """Shares of cells and the largest loss, one row a form."""
-    print("| form | broken down, % | 0.5 digits lost or more, % | 1 or more, % | largest loss of a cell where it is sound |")
+    print("| form | broken down, % | 0.5 digits lost or more, % | 1 or more, % "
+          "| largest loss of a cell where it is sound |")
     print("|---|---|---|---|---|")
     for form in forms:
         all_of = [(loss(form, kept, forms), at) for at, kept in table]
@@ -73,7 +74,8 @@ def main():
     print(f"Base: {len(base)} cells of {len(everything)}. Losses to the best of {len(forms)}.\n")
     losses_by_form(base, forms)
     print("\nMedian, largest loss; to the best plain form.\n")
-    losses_by_regime(base, plain, ["symmetric", "joseph", "ud", "carlson", "inverse_qr", "qr", "gentleman", "information"])
+    losses_by_regime(base, plain, ["symmetric", "joseph", "ud", "carlson", "inverse_qr", "qr", "gentleman",
+                                   "information"])
     for factor in ("size", "spectrum", "theta", "noise"):
         print(f"\nBy {factor}, beside the base.\n")
         for value in dict.fromkeys(at[factor] for at, _ in everything):

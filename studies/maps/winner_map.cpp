@@ -149,8 +149,9 @@ Study const winner_map{
     .question = "Which form keeps most digits where, and what does one lose by always taking the same?",
     .source = "derived (docs/theory.md 107 to 110); constants from theory and from studies prior_size, delta_forms",
     .formula =
-        R"tex(\begin{aligned} P \text{ stored:}\quad & 0.42u\left[\sqrt2\,n + \tfrac{2}{d}\,t\kappa^2h + \sqrt2\,c^2\,\tfrac{d}{m}\,\lambda^{2N}\sum\sigma_i^2\right] \\
-\text{factors:}\quad & 0.42u\left[2n + 2.8\,q\,\kappa\sqrt{t/d}\right] + u\,m\,c_{\text{form}} \end{aligned})tex",
+        R"tex(\begin{aligned} P \text{ stored:}\quad & 0.42u\,(\sqrt2\,n + \tfrac{2}{d}t\kappa^2h + \sqrt2\,p) \\
+p &= c^2\tfrac{d}{m}\lambda^{2N}\sum\sigma_i^2 \\
+\text{factors:}\quad & 0.42u\,(2n + 2.8\,q\,\kappa\sqrt{t/d}) + u\,m\,c_{\text{form}} \end{aligned})tex",
     .interpretation =
         "Condition and prior are powers of 1/u, so that the map of one word can be laid on that of another. A form "
         "whose P was not definite at one of the looks has lost. Loss is the largest of theta, its worst component and "
