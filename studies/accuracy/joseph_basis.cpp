@@ -178,10 +178,9 @@ Study const joseph_basis{
     .question = "In which basis do Joseph's products lose a condition number more, and what takes it back?",
     .source = "derived (docs/theory.md 113, 114, 119)",
     .formula =
-        R"tex(\begin{aligned} |\delta P_N| &\le u\sum_k \Bigl[ d\,|T_k||A_k||P_{k-1}||T_{k-1}|^\top
- + d\,|T_k||P_k||A_k|^\top|T_k|^\top + |T_k|G_k|P_N| + (\cdot)^\top + |T_k|(|P_k| + |K||K|^\top)|T_k|^\top \Bigr] + O(u^2) \\
-A_k &= I - K\psi^\top, \qquad T_k = P_N P_k^{-1}, \qquad \psi \to D\psi:\; |\delta P_N|_{ij} \to
-|\delta P_N|_{ij}/(D_iD_j) \end{aligned})tex",
+        R"tex(\begin{aligned} |\delta P_N| &\le u\sum_k \bigl[ d\,|T_k||A_k||P_{k-1}||T_{k-1}|^\top + \dots \bigr] + O(u^2) \\
+A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
+\psi \to D\psi &:\ |\delta P_N| \to D^{-1}|\delta P_N|D^{-1} \end{aligned})tex",
     .interpretation =
         "The bound is that of entries, not of norms: it goes with the units of the columns as P itself does, so that a "
         "scaling of the columns changes neither the bound nor, by powers of two, a bit of the result. What costs "
@@ -290,8 +289,8 @@ A_k &= I - K\psi^\top, \qquad T_k = P_N P_k^{-1}, \qquad \psi \to D\psi:\; |\del
                         labelled("theta", within(rows, by, ratio("error_of_theta", "whitened joseph", "ud"), 0.1, 10));
              },
              own_result("docs/theory.md 119, before a run")},
-            {"joseph's error stays below the bound of first order where that is below 0.01 (the worst run, of most seeds), "
-             "and is above 1/1000 of it in the median",
+            {"joseph's error stays below the bound of first order where that is below 0.01 (the worst run, of most "
+             "seeds), and is above 1/1000 of it in the median",
              [](Table const& t) {
                  Table const rows =
                      t.where("form", "joseph").where("theta", "along v_1").where("bound", [](double bound) {

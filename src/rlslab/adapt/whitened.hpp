@@ -19,15 +19,14 @@ namespace rlslab {
 /// condition number again, so that an F that stores P keeps about the digits of a factor; in joseph an error of the
 /// gain stays of second order. Scaling the columns would do none of it: powers of two change no bit. The price is rows
 /// that R no longer whitens, where lambda < 1 and the data change: P_eta is then as ill-conditioned as the change.
-/// docs/theory.md 119.
 ///
 /// psi         may be any numbers of this filter
 /// n           `first`, 0: 4 d. More, while R has a zero on its diagonal (no prior, too few rows)
 /// stored()    Start's in (1), then P of (3), rounded once more
 /// health      Start's in (1), then F's
 /// Allocates when it is made, and in theta() and gain() of dynamic size. Cost: F's row and d^2/2 multiplications; (3)
-/// d^2/2 for theta, as much for K, d^3 for P. Throws std::invalid_argument for first < 0, and as Start and F do. Source:
-/// derived.
+/// d^2/2 for theta, as much for K, d^3 for P. Throws std::invalid_argument for first < 0, and as Start and F do.
+/// Source: derived (docs/theory.md 119).
 template <class F, class Start>
     requires TimeUpdates<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
              std::same_as<typename F::scalar, typename Start::scalar> &&
