@@ -47,7 +47,7 @@ Problem<T> problem(Index d, double forgetting, double variance) {
     return {.size = d, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(variance)}};
 }
 template <class F>
-void take_rows(F& f, Rows const& data, Index first = 0) {
+void fold_in(F& f, Rows const& data, Index first = 0) {
     using T = typename F::scalar;
     Vector<T> psi(data.psi.cols());
     for (Index k = first; k < data.psi.rows(); ++k) {
@@ -99,8 +99,8 @@ TEST(Whitened, HasTheAccuracyOfAFactorWhereJosephsProductsLoseTheirs) {
         Rows const data = rotated(5, 60, 1e5, Seed{seed});
         auto const error = [&]<class F>(F filter) {
             Ud<Reference> exact(problem<Reference>(5, 1, 1e10));
-            take_rows(exact, data);
-            take_rows(filter, data);
+            fold_in(exact, data);
+            fold_in(filter, data);
             return relative(wide_covariance(filter), wide_covariance(exact));
         };
         double const joseph = error(Joseph<double>(problem<double>(5, 1, 1e10))),
@@ -155,14 +155,14 @@ TEST(Whitened, GoesOnBitForBitFromASavedState) {
     for (Index const rows : {5, 9, 40}) {
         Rows const data = rotated(3, 60, 100, Seed{4});
         WhitenedJoseph<double> one(problem<double>(3, 0.96875, 100), 9);
-        take_rows(one, {data.psi.topRows(rows), data.y.head(rows)});
+        fold_in(one, {data.psi.topRows(rows), data.y.head(rows)});
         std::vector<std::byte> bytes(state_size(one));
         save(one, bytes);
         WhitenedJoseph<double> other(problem<double>(3, 0.5, 1), 9);
         load(other, bytes);
         EXPECT_EQ(other.whitened(), rows > 9);
-        take_rows(one, data, rows);
-        take_rows(other, data, rows);
+        fold_in(one, data, rows);
+        fold_in(other, data, rows);
         EXPECT_TRUE(identical(one, other));
     }
 }
@@ -191,10 +191,10 @@ TEST(Whitened, TellsOfRowsThatAreNotFiniteAndOfMisuse) {
 TEST(Whitened, HasItsBitsAtEveryScale) {
     Rows const data = rotated(3, 30, 100, Seed{5});
     WhitenedJoseph<double> one(problem<double>(3, 1, 1));
-    take_rows(one, data);
+    fold_in(one, data);
     for (int const e : {-400, 400}) {
         WhitenedJoseph<double> other(problem<double>(3, 1, std::ldexp(1.0, -2 * e)));
-        take_rows(other, {std::ldexp(1.0, e) * data.psi, data.y});
+        fold_in(other, {std::ldexp(1.0, e) * data.psi, data.y});
         for (Index i = 0; i < 3; ++i) EXPECT_EQ(std::ldexp(other.theta()[i], e), one.theta()[i]) << e;
     }
 }
