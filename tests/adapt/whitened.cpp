@@ -187,6 +187,28 @@ TEST(Whitened, TellsOfRowsThatAreNotFiniteAndOfMisuse) {
     EXPECT_THROW(WhitenedJoseph<double>(problem<double>(2, 1, 100), -1), std::invalid_argument);
     EXPECT_THROW(WhitenedJoseph<double>(problem<double>(0, 1, 100)), std::invalid_argument);
 }
+TEST(Whitened, HasTheSameBitsOfFixedSize) {
+    Rows const data = rotated(3, 40, 100, Seed{6});
+    WhitenedJoseph<double> dynamic(problem<double>(3, 0.96875, 100));
+    Whitened<Joseph<double, 3>, Qr<double, 3>> fixed(problem<double>(3, 0.96875, 100));
+    fold_in(dynamic, data);
+    fold_in(fixed, data);
+    EXPECT_TRUE(dynamic.theta() == fixed.theta() && dynamic.gain() == fixed.gain());
+    EXPECT_TRUE(dynamic.stored().F == fixed.stored().F);
+}
+/// Other forms go into that basis, too.
+TEST(Whitened, TakesAnyFormThatAdmitsARestart) {
+    Rows const data = rotated(4, 50, 1e5, Seed{8});
+    Ud<Reference> exact(problem<Reference>(4, 1, 1e10));
+    fold_in(exact, data);
+    auto const error = [&](auto filter) {
+        fold_in(filter, data);
+        return relative(wide_covariance(filter), wide_covariance(exact));
+    };
+    EXPECT_LT(error(Whitened<Symmetric<double>, Qr<double>>(problem<double>(4, 1, 1e10))), 1e-9);
+    EXPECT_LT(error(Whitened<Ud<double>, Qr<double>>(problem<double>(4, 1, 1e10))), 1e-9);
+    EXPECT_GT(error(Symmetric<double>(problem<double>(4, 1, 1e10))), 1e-9);
+}
 /// Powers of two in the rows and outputs: the same significands in and after the first rows.
 TEST(Whitened, HasItsBitsAtEveryScale) {
     Rows const data = rotated(3, 30, 100, Seed{5});
