@@ -182,10 +182,13 @@ Study const joseph_basis{
 A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
 \psi \to D\psi &:\ |\delta P_N| \to D^{-1}|\delta P_N|D^{-1} \end{aligned})tex",
     .interpretation =
-        "The bound is that of entries, not of norms: it goes with the units of the columns as P itself does, so that a "
-        "scaling of the columns changes neither the bound nor, by powers of two, a bit of the result. What costs "
-        "Joseph's products their digits is correlation of the parameters while they are being found, and that is a "
-        "matter of the basis. A triangular basis, taken from the first rows, has none.",
+        "Four bands failed. With graded units the slope of joseph is up to 1.2, not 4/(d - 1): the parameters found so "
+        "far share the variances of those that are not, and their correlation reaches kappa. With one small unit it is "
+        "1.2 to 2.0. The bound is 33 to 2300 times the median error. In the basis of the first rows the slope is 0.6 "
+        "to 1.0, below the band at 480 rows. What held: the bound is that of entries, and goes with the units as P "
+        "itself does, so that scaling by powers of two changes no bit; what costs Joseph's products their digits is "
+        "correlation of the parameters while they are being found, and a triangular basis, taken from the first rows, "
+        "has none. There joseph has about the errors of ud.",
     .data =
         "geometric singular values, one small, one large; in random directions, or as the units of white columns; "
         "d = 3, 5, 8, 10 or 60 rows a parameter, P0 = kappa^2 I, three directions of theta; 100 seeds: a run of 20 "
