@@ -139,7 +139,7 @@ Found by_the_data(Numbers const& x, Index d, double lambda, Term term) {
     Column const K = wide(in.K), psi = wide(in.psi);
     Doubles const A = one - K * psi.transpose(), H = one + sizes(K) * sizes(psi).transpose();
     Doubles const exact = A * P * A.transpose() / lambda + K * K.transpose(),
-                  products = gamma(2 * d + 5 + divided(lambda)) / lambda * H * sizes(P) * H.transpose(),
+                  products = gamma(double(2 * d + 5) + divided(lambda)) / lambda * H * sizes(P) * H.transpose(),
                   square = gamma(2) * sizes(K * K.transpose());
     Doubles const error = wide(out.P) - exact;
     Doubles const part = (term == Term::products ? square : products).cwiseQuotient(products + square);
