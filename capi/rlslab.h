@@ -65,12 +65,12 @@ typedef struct rlslab_options {
     char const* control;             // a name of RLSLAB_CONTROLS (a rule of forgetting), or null: constant
     double const* control_numbers;   // the rule's, in the order of docs/c.md; NaN: its default; or null: all of them
     size_t control_count;            // how many are there
-    double largest_variance;         // this and the next three are the guard's; NaN: its default
-    double innovation;
-    double least_noise;
-    double asymmetry;
-    size_t noise_memory;  // rows, of the guard's estimate of noise; 0: its default
-    size_t rebuild_rows;  // rows that a guard keeps to rebuild from; 0: its default
+    double largest_variance;  // this to rebuild_rows: the guard's; of P_jj, times the noise's; NaN: 16 times P0's
+    double innovation;        // test of outliers, in standard deviations; 0: none; NaN: 6
+    double least_noise;       // standard deviation that noise is believed to have at least; NaN: 0
+    double asymmetry;         // largest |P_ij - P_ji| / sqrt(P_ii P_jj); NaN: 2^-10
+    size_t noise_memory;      // rows that the noise is averaged over; 0: 200
+    size_t rebuild_rows;      // kept to rebuild from, by the guards that do; 0: 10 d
 } rlslab_options;
 rlslab_status rlslab_defaults(rlslab_options* options, size_t bytes);  // what the pointers show is copied when used
 

@@ -66,6 +66,10 @@ Composition composition_of(Options const& o, Problem<double> const& problem) {
     expects(o.window >= 0, "a window of rows >= 0 (0: none)");
     Composition out{.control = std::string(o.control), .window = o.window, .guard = std::string(o.guard)};
     if (!o.guard.empty()) expect_one_of(guards(), o.guard, "guard");
+    else
+        expects(std::isnan(o.largest_variance) && std::isnan(o.innovation) && std::isnan(o.least_noise) &&
+                    std::isnan(o.asymmetry) && o.noise_memory == 0 && o.rebuild_rows == 0,
+                "a guard beside its numbers");
     if (!o.control.empty()) expect_one_of(controls(), o.control, "control");
     if (o.control.empty()) expects(o.control_numbers.empty(), "a control beside its numbers");
     else out.parameters = numbers_of(control_named(o.control), o, problem);

@@ -224,6 +224,9 @@ TEST(Refused, NumbersThatAreNone) {
         options.guard = "reset";
         options.*member = -1;
         expect_refused(options, RLSLAB_INVALID, "");
+        options.guard = nullptr;
+        options.*member = 1;
+        expect_refused(options, RLSLAB_INVALID, "a guard beside its numbers");
     }
     options = options_of(2);
     options.control = "kulhavy";

@@ -151,7 +151,9 @@ def test_threads():
 
 
 LONG = """
+import signal
 import numpy as np, rlslab
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in a shell's background ignores
 X = np.random.default_rng(1).standard_normal((10**5, 40))
 print("started", flush=True)
 rlslab.certified(X, X @ np.ones(40), forgetting=0.99, digits=10000)

@@ -220,6 +220,7 @@ def test_an_interrupt_ends_it(tmp_path):
 import os, sys, threading
 import signal
 import numpy as np, rlslab
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in a shell's background ignores
 X = np.random.default_rng(1).standard_normal((20000, 12))
 threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
 try:
