@@ -37,10 +37,14 @@ double squares(Vec const& x) {
     return sum;
 }
 
-/// P of one row more, of noise variance v; f = P psi.
-void take(Mat& P, Vec const& f, Reference const& s) {
+/// P of one row more, of variance v: f = P psi, K = f / (v + psi'f).
+void take(Mat& P, Vec const& f, Vec const& K) {
     for (Index j = 0; j < f.size(); ++j)
-        for (Index i = 0; i < f.size(); ++i) P(i, j) -= f[i] * f[j] / s;
+        for (Index i = 0; i < f.size(); ++i) P(i, j) -= K[i] * f[j];
+}
+Vec over(Vec x, Reference const& s) {
+    for (Reference& one : x) one /= s;
+    return x;
 }
 
 /// The sums of (3) and (4) as they grow row by row.
@@ -57,7 +61,7 @@ public:
         Reference const by_c2 = Reference(1) / c2;
         for (Index i = 0; i < d_; ++i) {  // the prior as d rows e_i of noise variance c^2
             Vec const f = P_N_.col(i);
-            take(P_N_, f, Reference(c2 + f[i]));
+            take(P_N_, f, over(f, Reference(c2 + f[i])));
             P_(i, i) = c2;
         }
         theta_N_ = product(P_N_, theta_free), s_ = Vec(d_);
@@ -72,7 +76,7 @@ public:
     void row(Vec const& psi, Reference const& y) {
         Vec const f = product(P_, psi);
         Reference const s = Reference(1) + inner(psi, f), e = y - inner(psi, theta_), r = y - inner(psi, theta_N_);
-        Vec const P_N_psi = product(P_N_, psi);
+        Vec const P_N_psi = product(P_N_, psi), gain = over(f, s);
         Numbers q2(size_t(d_), 0.0), K(size_t(d_), 0.0), w2(size_t(d_), 0.0), before(size_t(d_ * d_), 0.0);
         for (Index j = 0; j < d_; ++j)
             for (Index i = 0; i < d_; ++i) {
@@ -80,17 +84,17 @@ public:
                 q2[size_t(i)] += 2 * before[size_t(i + d_ * j)] * square(psi[j]);
             }
         for (Index i = 0; i < d_; ++i) {
-            K[size_t(i)] = as_double(Reference(f[i] / s));
+            K[size_t(i)] = as_double(gain[i]);
             s_[i] += psi[i] * r;
-            theta_[i] += f[i] / s * e;
+            theta_[i] += gain[i] * e;
         }
-        take(P_, f, s);
+        take(P_, f, gain);
         for (Index j = 0; j < d_; ++j)
             for (Index i = 0; i < d_; ++i) {
                 W_(i, j) += P_N_psi[i] * psi[j];
                 w2[size_t(j)] += square(W_(i, j));
             }
-        Reference const Ks = inner(f, s_) / s;
+        Reference const Ks = inner(gain, s_);
         double const p2 = squares(P_N_psi), r2 = square(r), e2 = square(e), step2 = square(Reference(e / s));
         Numbers after(size_t(d_), 0.0);  // sum_i P_j,ai^2 psi_i^2
         for (Index i = 0; i < d_; ++i)
