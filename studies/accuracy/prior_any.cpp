@@ -249,7 +249,7 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
     .data =
         "singular values geometric, one small, one large; singular vectors drawn, or axes (columns of different "
         "units); theta of length 1 along v_1, along v_d, drawn; d = 3, 5, 10, N = 50 and 400, kappa = 10 to 1e5, noise "
-        "1e-9 to 1e-2, double and float; 25 seeds",
+        "1e-9 to 1e-2, double and float; 12 seeds",
     .factors =
         [](Budget budget) {
             std::vector<Cell> problems;
@@ -258,7 +258,7 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
                                        {"spectrum", {"geometric", "one small", "one large"}},
                                        {"basis", {"rotated", "units"}},
                                        {"theta", {"along v_1", "along v_d", "drawn"}},
-                                       {"replicate", counted(budget == Budget::full ? 25 : 1)}};
+                                       {"replicate", counted(budget == Budget::full ? 12 : 1)}};
         },
     .measures = {"variant", "prior", "c2", "u_c2_trace", "bias", "expected", "rounding", "total", "loss"},
     .measure = measure,
