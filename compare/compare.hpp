@@ -158,8 +158,8 @@ struct Comparison {
     std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
-    std::vector<PriorCost> prior_costs = {};  ///< where they were asked for (prior_costs.hpp)
-    std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
+    std::vector<PriorCost> prior_costs = {};  ///< where somebody computed them: prior_costs.hpp
+    std::vector<FastResult> fast = {};        ///< empty unless the regressors are a delay line, and with a composition
     std::shared_ptr<struct DigitsAnswer const> digits =
         {};  ///< with options.digits: what keeps them; it then is the answer that is shown
     std::optional<report::Provenance> run = {};  ///< with it JSON, CSV and page say which run they are from

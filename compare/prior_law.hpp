@@ -30,9 +30,9 @@ struct PriorPoint {
 ///
 ///   (1)  theta_N - theta_LS = -c^-2 P_N theta_LS
 ///   (2)  s_j = sum_{i<=j} psi_i r_i - c^-2 theta_N,   W_j = P_N M_j,   w_a = |W_j e_a|,   p_j = |P_N psi_j|
-///   (3)  E|delta theta|^2 = (0.425 u)^2 sum_j { sum_a (w_a^2 r_j^2 + p_j^2 s_a^2) q_a^2 + sum_ab w_a^2 s_b^2
-///          (P_j,ab^2 + K_a^2 f_b^2) + sum_a w_a^2 (theta_a^2 + K_a^2 e^2) + p_j^2 psi_a^2 theta_a^2 },  q_a^2 = 2 sum_b
-///          P_ab^2 psi_b^2
+///   (3)  E|delta theta|^2 = (0.425 u)^2 sum_j { sum_a (w_a^2 r_j^2 + p_j^2 s_a^2) q_a^2
+///          + sum_ab w_a^2 s_b^2 (P_j,ab^2 + K_a^2 f_b^2) + sum_a w_a^2 (theta_a^2 + K_a^2 e^2)
+///          + p_j^2 sum_a psi_a^2 theta_a^2 },   q_a^2 = 2 sum_b P_(j-1),ab^2 psi_b^2
 ///   (4)  with B = I - K psi': in place of the first two sums sum_a w_a^2 q_a^2 e^2 / s^2 + 2 sum_ab w_a^2 { (sum_i
 ///          B_ai^2 P_ib^2) (B's)_b^2 + (sum_i P_j,ai^2 B_bi^2) s_b^2 }
 ///
@@ -49,9 +49,10 @@ struct PriorLaw {
     PriorPoint best(PriorForm form, double u) const;
 };
 
-/// For lambda = 1 and theta0 = 0, regressor i in units of s_i (powers of two; empty: 1). `least_squares` is the certified solution without a prior after the last row. Row by
-/// row at 257 bits, for at most max(4 d, 4e4 / d^2) rows; those behind them count as roundings of theta. Empty where
-/// there is no answer: theta_LS = 0, not certified, more than 32 parameters, or squares that leave double's range.
+/// For lambda = 1 and theta0 = 0, regressor i in units of s_i (powers of two; empty: 1). `least_squares` is the
+/// certified solution without a prior after the last row. Row by row at 257 bits, for at most max(4 d, 4e4 / d^2) rows;
+/// those behind them count as roundings of theta. Empty where there is no answer: theta_LS = 0, not certified, more
+/// than 32 parameters, or squares that leave double's range.
 PriorLaw prior_law(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& s = {});
 
 }  // namespace rlslab::compare

@@ -196,7 +196,7 @@ Statistic const of_law([](Table const& t) {
 });
 std::vector<std::string> const each{"variant", "problem", "spectrum", "basis", "theta"};
 
-/// A number of each valley of a table, by its variant, problem, spectrum, basis and theta; the share for which it holds.
+/// Of the valleys of a table, one for each variant, problem, spectrum, basis and theta, the share for which it holds.
 Statistic share_of_valleys(std::function<bool(Table const&)> holds) {
     return {[=](Table const& t) {
                 double n = 0, yes = 0;
@@ -241,7 +241,8 @@ Study const prior_any{
     .name = "prior_any",
     .question = "Which prior variance c^2 is best for these records, whatever theta, spectrum and basis?",
     .source = "derived (docs/theory.md 104 to 106)",
-    .formula = R"tex(\begin{aligned} \frac{\lVert\hat\theta_N-\theta_{LS}\rVert^2}{\lVert\theta_{LS}\rVert^2} &\approx
+    .formula =
+        R"tex(\begin{aligned} \frac{\lVert\hat\theta_N-\theta_{LS}\rVert^2}{\lVert\theta_{LS}\rVert^2} &\approx \;
 \frac{B^2}{c^4} + g^2c^4, \qquad c_*^4 = \frac Bg, \qquad B^2 = \sum_i \frac{(v_i'\theta_{LS})^2}{\sigma_i^{4}} \\
 g^2c^4 &= (0.425u)^2\sum_j\sum_{ab} \lVert P_NM_je_a\rVert^2\,\rho_{j,ab}^2\,s_{j,b}^2 + \dots, \qquad
 s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",

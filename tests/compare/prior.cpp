@@ -46,6 +46,28 @@ TEST(PriorLaw, HasTheBiasOfCertifiedMinimisers) {
         EXPECT_NEAR(relative_change(solution(r, Prior<double>{.variance = at.c2}), free) / at.bias, 1, 1e-12) << at.c2;
 }
 
+/// docs/theory.md 105, with the state after j rows as the prior of the others: -P_N M_j deltaP s_j,
+/// s_j = M_j (theta_j - theta_N).
+TEST(PriorLaw, AnErrorOfPMovesTheMinimiserByTheFormula) {
+    Records const r = rows_near_a_plane(3, Seed{6});
+    Prior<double> prior{.theta = Vector<double>{{3, -1, 2, 5}}, .covariance = Matrix<double>::Zero(4, 4)};
+    prior.covariance->diagonal() << 0.25, 0.0625, 0.5, 0.125;
+    Prior<double> wrong = prior;
+    (*wrong.covariance)(1, 2) = (*wrong.covariance)(2, 1) = 0x1p-40;
+    CertifiedSolution const exact = solution(r, prior), moved = solution(r, wrong);
+    Vector<Reference> const theta = exact.theta(), now = moved.theta();
+    Matrix<Reference> const P = exact.covariance();
+    auto const M_delta = [&](Index a) {  // of M_j (theta_j - theta_N)
+        return Reference(((*prior.theta)[a] - theta[a]) / (*prior.covariance)(a, a));
+    };
+    for (Index i = 0; i < 4; ++i) {
+        Reference const said =
+            -(P(i, 1) / (*prior.covariance)(1, 1) * M_delta(2) + P(i, 2) / (*prior.covariance)(2, 2) * M_delta(1)) *
+            0x1p-40;
+        EXPECT_NEAR(static_cast<double>(Reference((now[i] - theta[i]) / said)), 1, 1e-9) << i;
+    }
+}
+
 /// The median over 20 records of a filter's error over the law's.
 double measured_over_law(char const* variant, PriorForm form, int thin) {
     std::vector<double> ratios;
