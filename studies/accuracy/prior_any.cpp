@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace rlslab::studies {
 namespace {
@@ -21,10 +20,10 @@ using compare::PriorLaw;
 
 /// The problems beside spectrum, basis and theta: what one of them changes stands in a line.
 struct Problems {
-    char const* name;
+    std::string_view name;
     double kappa, noise;
     Index size = 5, rows = 50;
-    char const* word = "double";
+    std::string_view word = "double";
 };
 constexpr Problems list[] = {{"kappa 1e2", 1e2, 1e-6},
                              {"kappa 1e3", 1e3, 1e-6},
@@ -42,9 +41,7 @@ constexpr Problems list[] = {{"kappa 1e2", 1e2, 1e-6},
                              {"d 10", 1e3, 1e-6, 10},
                              {"N 400", 1e3, 1e-6, 5, 400}};
 
-Problems const& problems_of(Trial const& trial) {
-    return *std::ranges::find(list, trial.text("problem"), [](Problems const& p) { return std::string(p.name); });
-}
+Problems const& named(std::string const& name) { return *std::ranges::find(list, name, &Problems::name); }
 PriorForm form_of(std::string_view variant) { return variant == "joseph" ? PriorForm::products : PriorForm::stored; }
 
 /// Of length 1.
@@ -74,7 +71,7 @@ double relative_error(Vector<Reference> const& x, Vector<Reference> const& exact
 }
 
 void measure(Trial const& trial, TrialOutput& out) {
-    Problems const& of = problems_of(trial);
+    Problems const& of = named(trial.text("problem"));
     // The same singular vectors, theta and noise for every condition and size of the noise: slopes are paired.
     Seed seed = trial.seed({"spectrum", "basis", "replicate"});
     SingularRows const rows = rows_of_singular_values(singular_values(trial.text("spectrum"), of.size, of.kappa),
@@ -145,9 +142,6 @@ Table inside(Table const& t) {
 Table over(Table const& t, std::vector<std::string> const& problems, std::vector<std::string> const& theta) {
     return t.where("problem", problems).where("theta", theta);
 }
-Problems const& named(Cell const& name) {
-    return *std::ranges::find(list, std::get<std::string>(name), [](Problems const& p) { return std::string(p.name); });
-}
 
 /// log10 of c^2 and of the error at the bottom of a valley: of the parabola through the least error and its neighbours.
 std::pair<double, double> bottom(Table const& valley) {
@@ -163,29 +157,45 @@ std::pair<double, double> bottom(Table const& valley) {
 /// The slope of log10 of the bottom's c^2, or of its error, against log10 of a number of the problem.
 Statistic slope_of_bottom(double Problems::*x, bool error) {
     return {[=](Table const& t) {
-        double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+        Table bottoms({"x", "y"});
         for (Cell const& problem : t.distinct("problem")) {
             auto const [c2, least] = bottom(t.where("problem", problem));
-            double const at = correctly::log10(named(problem).*x), y = error ? least : c2;
-            n += 1, sx += at, sy += y, sxx += at * at, sxy += at * y;
+            bottoms.add({correctly::log10(named(std::get<std::string>(problem)).*x), error ? least : c2});
         }
-        return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+        return linear_slope("x", "y")(bottoms);
     }};
+}
+/// The mean of that over spectra, bases and directions of theta.
+Statistic mean_slope_of_bottom(double Problems::*x, bool error) {
+    return {[=](Table const& t) {
+                double n = 0, sum = 0;
+                Statistic const one = slope_of_bottom(x, error);
+                for (auto const& [name, rows] : t.groups({"spectrum", "basis", "theta"})) n += 1, sum += one(rows);
+                return sum / n;
+            },
+            Estimate::mean};
 }
 struct Exponents {
     double c2_kappa, error_kappa, c2_noise, error_noise;
 };
-Judgement follows(Table const& t, std::vector<std::string> const& in_kappa, std::vector<std::string> const& in_noise,
-                  std::vector<std::string> const& theta, Exponents const& to) {
+/// A regime of docs/theory.md 104: its problems, directions of theta, and exponents.
+struct Regime {
+    std::vector<std::string> in_kappa, in_noise, theta;
+    Exponents to;
+};
+Judgement follows(Table const& t, Regime const& regime, bool pooled = false) {
     auto const of = [&](char const* label, std::vector<std::string> const& problems, double Problems::*x, bool error,
                         double exponent) {
-        return labelled(label, within(over(grid(t, stored), problems, theta), {"variant", "spectrum", "basis", "theta"},
-                                      slope_of_bottom(x, error), exponent - 0.15, exponent + 0.15));
+        Table const rows = over(grid(t, stored), problems, regime.theta);
+        std::vector<std::string> const by{"variant", "spectrum", "basis", "theta"};
+        return labelled(
+            label, pooled ? within(rows, {"variant"}, mean_slope_of_bottom(x, error), exponent - 0.15, exponent + 0.15)
+                          : within(rows, by, slope_of_bottom(x, error), exponent - 0.15, exponent + 0.15));
     };
-    return of("c^2 in kappa", in_kappa, &Problems::kappa, false, to.c2_kappa) &&
-           of("error in kappa", in_kappa, &Problems::kappa, true, to.error_kappa) &&
-           of("c^2 in the noise", in_noise, &Problems::noise, false, to.c2_noise) &&
-           of("error in the noise", in_noise, &Problems::noise, true, to.error_noise);
+    return of("c^2 in kappa", regime.in_kappa, &Problems::kappa, false, regime.to.c2_kappa) &&
+           of("error in kappa", regime.in_kappa, &Problems::kappa, true, regime.to.error_kappa) &&
+           of("c^2 in the noise", regime.in_noise, &Problems::noise, false, regime.to.c2_noise) &&
+           of("error in the noise", regime.in_noise, &Problems::noise, true, regime.to.error_noise);
 }
 /// The median of rounding over its prediction.
 Statistic const of_law([](Table const& t) {
@@ -197,13 +207,13 @@ Statistic const of_law([](Table const& t) {
 std::vector<std::string> const each{"variant", "problem", "spectrum", "basis", "theta"};
 
 /// Of the valleys of a table, one for each variant, problem, spectrum, basis and theta, the share for which it holds.
-Statistic share_of_valleys(std::function<bool(Table const&)> holds) {
+Statistic share_of_valleys(std::function<bool(Table const&)> holds, Estimate estimate = Estimate::share) {
     return {[=](Table const& t) {
                 double n = 0, yes = 0;
                 for (auto const& [name, valley] : t.groups(each)) n += 1, yes += holds(valley);
                 return yes / n;
             },
-            Estimate::share};
+            estimate};
 }
 double least_on_grid(Table const& valley) { return std::ranges::min(valley.where("prior", "grid").numbers("total")); }
 double total_with(Table const& valley, char const* prior) { return valley.where("prior", prior).number("total"); }
@@ -229,10 +239,33 @@ Statistic const share_of_losses({[](Table const& t) {
                                  },
                                  Estimate::share});
 
-std::vector<std::string> const kappas{"kappa 1e2", "kappa 1e3", "kappa 1e4", "kappa 1e5"},
-    noisy_kappas{"kappa 1e3", "kappa 1e4", "kappa 1e5"}, noises{"kappa 1e3", "noise 1e-5", "noise 1e-4"},
-    quiet_kappas{"kappa 10 noise 1e-9", "kappa 1e2 noise 1e-9"},
-    quiet_noises{"kappa 10 noise 1e-9", "kappa 10 noise 1e-8", "kappa 10 noise 1e-7"};
+std::vector<std::string> const noises{"kappa 1e3", "noise 1e-5", "noise 1e-4"};
+Regime const of_the_last_direction{
+    {"kappa 1e2", "kappa 1e3", "kappa 1e4", "kappa 1e5"}, noises, {"drawn", "along v_d"}, {0.5, 1.5, -0.5, 0.5}},
+    of_the_noise{{"kappa 1e3", "kappa 1e4", "kappa 1e5"}, noises, {"along v_1"}, {1, 2, 0, 1}},
+    of_the_first_direction{{"kappa 10 noise 1e-9", "kappa 1e2 noise 1e-9"},
+                           {"kappa 10 noise 1e-9", "kappa 10 noise 1e-8", "kappa 10 noise 1e-7"},
+                           {"along v_1"},
+                           {-0.5, 0.5, -0.5, 0.5}};
+
+bool a_large_prior_costs_nothing(Table const& valley) {
+    return valley.numbers("total").back() <= half_a_digit * least_on_grid(valley);
+}
+Table in_word(Table const& t, std::string_view word) {
+    std::vector<std::string> problems;
+    for (Problems const& p : list)
+        if (p.word == word) problems.emplace_back(p.name);
+    return t.where("problem", problems);
+}
+Table ud_in_double(Table const& t) { return grid(in_word(t, "double"), {"ud"}); }
+/// Digits by which the proposed prior is nearer to least squares than compare's, the median of valleys.
+Statistic const gain([](Table const& t) {
+    std::vector<double> digits;
+    for (auto const& [name, valley] : t.groups(each))
+        digits.push_back(correctly::log10(total_with(valley, "today") / total_with(valley, "proposed")));
+    return median(digits);
+});
+constexpr char const* seen = "docs/theory.md 104 to 106; the same problems taken together, band set after the run";
 
 }  // namespace
 
@@ -246,7 +279,17 @@ Study const prior_any{
 \frac{B^2}{c^4} + g^2c^4, \qquad c_*^4 = \frac Bg, \qquad B^2 = \sum_i \frac{(v_i'\theta_{LS})^2}{\sigma_i^{4}} \\
 g^2c^4 &= (0.425u)^2\sum_j\sum_{ab} \lVert P_NM_je_a\rVert^2\,\rho_{j,ab}^2\,s_{j,b}^2 + \dots, \qquad
 s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
-    .interpretation = "The predicted rounding and the predicted best prior beside the measured ones.",
+    .interpretation =
+        "The rounding of a form that stores P is predicted from the records row by row, with no constant fitted, and "
+        "over all problems it is 0.83 to 0.89 of the prediction in the median, Joseph's products included: what grows "
+        "with kappa there is the size of I - K psi'. The bias is exact, so the best c^2 follows for any theta. Its "
+        "three regimes have the predicted exponents but for kappa in the third, where kappa = 10 and 100 are no "
+        "asymptotes: -0.33 [-0.50, -0.17] for the predicted -1/2. Twelve seeds decide few of the registered claims: "
+        "by itself no group has an interval that narrow, and a share that is estimated without any distribution has "
+        "0.42 to 1.00 for 0.92. The claims on the same problems together were set afterwards. Where the prior decides "
+        "theta (bias 0.9 and more) the rounding is given relative to the small theta_N, the prediction relative to "
+        "theta_LS: there they differ, and those priors are in the medians. The prior that compare measures with is "
+        "farther from least squares than the best one by 2 to 8 digits in double; in float it is as good.",
     .data =
         "singular values geometric, one small, one large; singular vectors drawn, or axes (columns of different "
         "units); theta of length 1 along v_1, along v_d, drawn; d = 3, 5, 10, N = 50 and 400, kappa = 10 to 1e5, noise "
@@ -285,21 +328,15 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
              own_result("docs/theory.md 105, set before the run")},
             {"theta drawn or along v_d, noise times kappa up to 0.1: the best c^2 goes with kappa^(1/2) and "
              "noise^(-1/2), its error with kappa^(3/2) and noise^(1/2), each to 0.15",
-             [](Table const& t) {
-                 return follows(t, kappas, noises, {"drawn", "along v_d"}, {0.5, 1.5, -0.5, 0.5});
-             },
+             [](Table const& t) { return follows(t, of_the_last_direction); },
              own_result("docs/theory.md 104, set before the run")},
             {"theta along v_1, noise times kappa^3 from 1e3 on: with kappa^1 and noise^0, its error with kappa^2 and "
              "noise^1, each to 0.15",
-             [](Table const& t) {
-                 return follows(t, noisy_kappas, noises, {"along v_1"}, {1, 2, 0, 1});
-             },
+             [](Table const& t) { return follows(t, of_the_noise); },
              own_result("docs/theory.md 104, set before the run")},
             {"theta along v_1, noise times kappa^3 up to 1e-3: with kappa^(-1/2) and noise^(-1/2), its error with "
              "kappa^(1/2) and noise^(1/2), each to 0.15",
-             [](Table const& t) {
-                 return follows(t, quiet_kappas, quiet_noises, {"along v_1"}, {-0.5, 0.5, -0.5, 0.5});
-             },
+             [](Table const& t) { return follows(t, of_the_first_direction); },
              own_result("docs/theory.md 104, set before the run")},
             {"the prior estimated from the records is within half a digit of the best on a grid of decades in nine "
              "tenths of the problems",
@@ -320,18 +357,50 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
             {"ud, double: no best c^2 but a least one; at c^2 = 1e18 the error is within half a digit of the least of "
              "the grid in nine tenths of the problems",
              [](Table const& t) {
-                 Table const rows = grid(t, {"ud"}).where("problem", [] {
-                     std::vector<std::string> out;
-                     for (Problems const& p : list)
-                         if (std::string_view(p.word) == "double") out.emplace_back(p.name);
-                     return out;
-                 }());
-                 return within(rows, {}, share_of_valleys([](Table const& valley) {
-                                   return valley.numbers("total").back() <= half_a_digit * least_on_grid(valley);
-                               }),
-                               0.9, 1);
+                 return within(ud_in_double(t), {}, share_of_valleys(a_large_prior_costs_nothing), 0.9, 1);
              },
              own_result("docs/theory.md 44, 106, set before the run")},
+            {"together: the rounding over its prediction is in the median 1 to a factor of 3 in each problem, and to "
+             "one of 1.5 over all",
+             [](Table const& t) {
+                 Table const rows = inside(grid(t, both));
+                 return labelled("each", within(rows, {"variant", "problem"}, of_law, 1.0 / 3, 3)) &&
+                        labelled("all", within(rows, {"variant"}, of_law, 1 / 1.5, 1.5));
+             },
+             own_result(seen)},
+            {"together, theta drawn or along v_d: the exponents 1/2, 3/2, -1/2 and 1/2, each to 0.15",
+             [](Table const& t) { return follows(t, of_the_last_direction, true); }, own_result(seen)},
+            {"together, theta along v_1, noise times kappa^3 from 1e3 on: the exponents 1, 2, 0 and 1, each to 0.15",
+             [](Table const& t) { return follows(t, of_the_noise, true); }, own_result(seen)},
+            {"together, theta along v_1, noise times kappa^3 up to 1e-3: the exponents -1/2, 1/2, -1/2 and 1/2, each "
+             "to 0.15",
+             [](Table const& t) { return follows(t, of_the_first_direction, true); }, own_result(seen)},
+            {"shares as means of averages: the estimated prior is within half a digit of the best in 85 % of the "
+             "problems, and the predicted loss of a given one in 80 %",
+             [](Table const& t) {
+                 return labelled("prior", within(t.where("variant", both), {"variant"},
+                                                 share_of_valleys(estimate_is_near, Estimate::mean), 0.85, 1)) &&
+                        labelled("loss",
+                                 within(grid(t, both), {"variant"}, share_of_losses.as(Estimate::mean), 0.8, 1));
+             },
+             own_result(seen)},
+            {"likewise, the prior in the columns' units leaves no larger error than compare's in nine tenths of the "
+             "problems, and ud loses less than half a digit at c^2 = 1e18 in nine tenths",
+             [](Table const& t) {
+                 return labelled("units", within(t.where("variant", both), {"variant"},
+                                                 share_of_valleys(proposal_is_no_worse, Estimate::mean), 0.9, 1)) &&
+                        labelled("ud", within(ud_in_double(t), {},
+                                              share_of_valleys(a_large_prior_costs_nothing, Estimate::mean), 0.9, 1));
+             },
+             own_result(seen)},
+            {"it is nearer to least squares than compare's by a digit or more in each problem in double, and neither is "
+             "by half a digit in float (medians)",
+             [](Table const& t) {
+                 Table const rows = t.where("variant", both);
+                 return labelled("double", within(in_word(rows, "double"), {"problem"}, gain, 1, INFINITY)) &&
+                        labelled("float", within(in_word(rows, "float"), {"problem"}, gain, -0.5, 0.5));
+             },
+             own_result(seen)},
         },
 };
 

@@ -237,9 +237,11 @@ TEST_F(CompareCommand, SaysWhatAPriorCosts) {
             EXPECT_GE(cost["loss"].get<double>(), 0);
             EXPECT_LE(cost["loss"].get<double>(), cost["digits"].get<double>());
         }
-        EXPECT_EQ(said, (std::vector<std::string>{"bfloat16 symmetric", "bfloat16 joseph", "binary16 symmetric",
-                                                  "binary16 joseph", "float symmetric", "float joseph",
-                                                  "double symmetric", "double joseph"}));
+        std::vector<std::string> expected;
+        for (char const* const word : {"bfloat16", "binary16", "float", "double"})
+            for (char const* const form : {" symmetric", " joseph"})
+                if (prior.empty() || word != std::string("binary16")) expected.push_back(word + std::string(form));
+        EXPECT_EQ(said, expected) << "binary16 ends at 65504";
         std::string const warned = out["warnings"].dump();
         if (prior.empty()) EXPECT_THAT(warned, Not(HasSubstr("costs forms that store P")));
         else EXPECT_THAT(warned, rlslab::Names("--p0 symmetric float c^2"));
