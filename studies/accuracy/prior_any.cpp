@@ -395,8 +395,8 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
                                               share_of_valleys(a_large_prior_costs_nothing, Estimate::mean), 0.9, 1));
              },
              own_result(seen)},
-            {"it is nearer to least squares than compare's by a digit or more in each problem in double, and neither is "
-             "by half a digit in float (medians)",
+            {"it is nearer to least squares than compare's by a digit or more in each problem in double, and neither "
+             "is by half a digit in float (medians)",
              [](Table const& t) {
                  Table const rows = t.where("variant", both);
                  return labelled("double", within(in_word(rows, "double"), {"problem"}, gain, 1, INFINITY)) &&
