@@ -45,7 +45,8 @@ def defined(name, text):
 
 def named(command, arguments):
     """The arguments of a command, wherever paper.tex has it."""
-    found = re.findall(r"\\" + command + r"\{([^}]*)\}" * arguments, re.sub(r"(?m)^\\newcommand.*$", "", paper))
+    one = r"\{([^}]*)\}"
+    found = re.findall(r"\\" + command + r"(?:\[[^]]*\])?" + arguments * one, re.sub(r"(?m)^\\newcommand.*$", "", paper))
     return list(dict.fromkeys(tuple(" ".join(a.split()) for a in ((f,) if arguments == 1 else f)) for f in found))
 
 
@@ -111,7 +112,7 @@ def costs():
             ("operations", 1, "compare", "What is compared: variants, operations, arithmetics"),
             ("nanoseconds", 2, "speed", "What an update takes")):
         of = table(page, heading)
-        found = {r[0].strip("`"): dict(zip(of[0], r)) for r in of[1:]}
+        found = {r[0].strip("` *"): dict(zip(of[0], r)) for r in of[1:]}
         for named_so in named(command, arguments):
             variant, column = named_so if arguments == 2 else (named_so[0], "d = 10")
             if command == "operations" and variant not in found:
