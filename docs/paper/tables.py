@@ -35,7 +35,7 @@ def tex(markdown):
             "}")
         else:
             part = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", part)
-            out.append("".join(signs.get(c, c) for c in re.sub(r"(?<=\s)-(?=\d)", "–", " " + part)[1:]))
+            out.append("".join(signs.get(c, c) for c in re.sub(r"(?<=\s)-(?=\d)", "$-$", " " + part)[1:]))
     return "".join(out)
 
 
