@@ -208,11 +208,10 @@ def of_run(out, to):
     yield r"\newcommand{\claimshash}{%s}" % digest(lines)
     yield r"\newcommand{\expectederrors}{%s}" % run["expected_errors"]
     bands = [c["band"] for _, _, c in claims if c["kind"] == "finding"]
-    before, after = (sum(bool(re.search(r"\b%s\b" % w, b)) for b in bands) for w in ("before", "after"))
-    both = sum(bool(re.search(r"\bafter\b", b)) and bool(re.search(r"\bbefore\b", b)) for b in bands)
+    after, before = sum("after" in b for b in bands), sum("before" in b and "after" not in b for b in bands)
     yield r"\newcommand{\bandsafter}{%d}" % after
-    yield r"\newcommand{\bandsbefore}{%d}" % (before - both)
-    yield r"\newcommand{\bandsformula}{%d}" % (len(bands) - before - after + both)
+    yield r"\newcommand{\bandsbefore}{%d}" % before
+    yield r"\newcommand{\bandsformula}{%d}" % (len(bands) - before - after)
 
 
 def figures(out):
