@@ -5,12 +5,14 @@
                        TO/figures.txt (the figures that it shows); OUT is the folder of the run. ./lab paper calls this
     tables.py --check  what paper.tex names and the tree does not have; needs no run
 
-paper.tex names what it takes: \\source{KEY}{WORDS}, the entry of docs/literature.md that begins with WORDS;
-\\cell{PAGE}{HEADING}{ROW}{COLUMN}, a number of a table in docs/PAGE.md, and \\rows{PAGE}{HEADING}{COLUMNS}, rows of one
-(HEADING/2: the second table under it; columns apart by ;); \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS};
-\\recorded{STUDY}{N}{WORDS}, the verdicts on a claim in studies/verdicts-full*.json; \\plot{NAME}, a figure of the run
-or
-of docs; and single numbers, below."""
+paper.tex names what it takes:
+    \\source{KEY}{WORDS}                  the entry of docs/literature.md that begins with WORDS
+    \\cell{PAGE}{HEADING}{ROW}{COLUMN}    a number of a table of a page of docs; HEADING/2 is the second under it
+    \\rows{PAGE}{HEADING}{COLUMNS}        the rows of one, of the columns named, ; between them
+    \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
+    \\recorded{STUDY}{N}{WORDS}           the verdicts on a claim in studies/verdicts-full*.json
+    \\plot{NAME}                          a figure of docs or of the run
+and single numbers, as below."""
 import hashlib, json, pathlib, re, sys
 
 here = pathlib.Path(__file__).resolve().parent
@@ -46,7 +48,8 @@ def defined(name, text):
 def named(command, arguments):
     """The arguments of a command, wherever paper.tex has it."""
     one = r"\{([^}]*)\}"
-    found = re.findall(r"\\" + command + r"(?:\[[^]]*\])?" + arguments * one, re.sub(r"(?m)^\\newcommand.*$", "", paper))
+    text = re.sub(r"(?m)^\\newcommand.*$", "", paper)
+    found = re.findall(r"\\" + command + r"(?:\[[^]]*\])?" + arguments * one, text)
     return list(dict.fromkeys(tuple(" ".join(a.split()) for a in ((f,) if arguments == 1 else f)) for f in found))
 
 
