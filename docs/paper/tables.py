@@ -157,7 +157,7 @@ def sources():
         link = re.search(r"<(https?://[^>]*)>", entry)
         if link:
             entry = entry.replace(link.group(0), "`" + link.group(1) + "`")
-        said = re.search(r"(?<=\. )(?=[^.]*\b(read|Cited)\b)|(?<=\. )(?=Lecture notes)", entry)
+        said = re.search(r"(?<=\. )(?=[^.]*\b(read|Read|Cited)\b)|(?<=\. )(?=Lecture notes)", entry)
         at = said.start() if said else len(entry)
         yield defined("source@" + key, tex(entry[:at]) + r"\emph{" + tex(entry[at:]) + "}")
     for name, n in zip(("read", "abstract", "unread"), counts):
