@@ -3,7 +3,7 @@
 
     tables.py OUT TO   writes TO/recorded.tex, TO/claims.txt (the list of claims whose hash the paper has) and
                        TO/figures.txt (the figures that it shows); OUT is the folder of the run. ./lab paper calls this
-    tables.py --check  what paper.tex names and the tree does not have; needs no run
+    tables.py --check [FILE]   what paper.tex, or FILE, names and the tree does not have; needs no run
 
 paper.tex names what it takes:
     \\source{KEY}{WORDS}                  the entry of docs/literature.md that begins with WORDS
@@ -17,7 +17,8 @@ import hashlib, json, pathlib, re, sys
 
 here = pathlib.Path(__file__).resolve().parent
 root = here.parent.parent
-paper = (here / "paper.tex").read_text()
+checks = sys.argv[1:2] == ["--check"]
+paper = (pathlib.Path(sys.argv[2]) if checks and sys.argv[2:] else here / "paper.tex").read_text()
 faults = []
 
 signs = {"&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
@@ -225,7 +226,6 @@ def figures(out):
 
 
 def main():
-    checks = sys.argv[1:] == ["--check"]
     if not checks and len(sys.argv) != 3:
         sys.exit(__doc__)
     text = [line for part in (cells, rows, costs, machine, sources, verdicts, survey) for line in part()]
