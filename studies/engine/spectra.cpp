@@ -7,17 +7,6 @@
 
 namespace rlslab::studies {
 
-Records answered(Matrix<double> psi, Seed seed, double noise) {
-    Index const rows = psi.cols();
-    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
-    for (Index k = 0; k < rows; ++k) {
-        double sum = 0;  // in order: Eigen's sum depends on the instruction set
-        for (Index i = 0; i < out.psi.rows(); ++i) sum += out.psi(i, k);
-        out.y[k] = sum + noise * seed.bell();
-    }
-    return out;
-}
-
 Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
     Matrix<double> Q(size, n);
     auto const dot = [&](Index a, Index b) {
