@@ -8,6 +8,8 @@
 paper.tex names what it takes:
     \\source{KEY}{WORDS}                  the entry of docs/literature.md that begins with WORDS
     \\cell{PAGE}{HEADING}{ROW}{COLUMN}    a number of a table of a page of docs; HEADING/2 is the second under it
+    \\headcell{PAGE}{HEADING}{ROW}{COLUMN}    the same up to its first bracket
+    \\quoted{PAGE}{WORDS}                 words that docs/PAGE.md, or a file PAGE, has, wherever its lines break
     \\rows{PAGE}{HEADING}{COLUMNS}        the rows of one, of the columns named, ; between them
     \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
     \\recorded{STUDY}{N}{WORDS}           the verdicts on a claim in studies/verdicts-full*.json
@@ -93,13 +95,22 @@ def column_of(rows, column, where):
 
 
 def cells():
-    for page, heading, row, column in named("cell", 4):
+    for command, (page, heading, row, column) in ((c, n) for c in ("cell", "headcell") for n in named(c, 4)):
         rows = table(page, heading)
         at = column_of(rows, column, "docs/%s.md, %s" % (page, heading))
         found = [r for r in rows[1:] if r[0].replace("`", "") == row]
         if len(found) != 1:
             faults.append("docs/%s.md, %s: expected one row \"%s\"" % (page, heading, row))
-        yield defined("@".join(("cell", page, heading, row, column)), tex(found[0][at]) if found else "?")
+        text = found[0][at] if found else "?"
+        yield defined("@".join((command, page, heading, row, column)),
+                      tex(text if command == "cell" else re.split(r" [(\[]", text)[0]))
+
+
+def quotations():
+    for page, words in named("quoted", 2):
+        of = root / (page if "." in page else "docs/%s.md" % page)
+        if words not in (" ".join(of.read_text().split()) if of.exists() else ""):
+            faults.append("%s does not say \"%s\"" % (of.relative_to(root), words))
 
 
 def rows():
@@ -136,16 +147,18 @@ def entries():
 
 
 def grade_of(entry):
-    """As docs/literature.md 0 has it: 0 read, 1 abstract read, 2 not read. What was not read itself is 2, though a
-    program or data of it were."""
+    """As docs/literature.md 0 has it: 0 read, 1 abstract read, 2 not read; 3 for a program, data or a manual, which is
+    not its paper. What was not read itself is 2, though a program or data of it were."""
     if re.search(r"[Nn]ot read|(paper|text|report|papers) not", entry):
         return 2
-    return 1 if re.search(r"[Aa]bstract|first chapter", entry) else 0
+    if re.search(r"[Aa]bstract|first chapter", entry):
+        return 1
+    return 3 if re.search(r"[Pp]rogram read|Data and certified values|Documentation of the routines", entry) else 0
 
 
 def sources():
     """The bibliography: entries of docs/literature.md, what was read of each in italics."""
-    known, counts = entries(), [0, 0, 0]
+    known, counts = entries(), [0, 0, 0, 0]
     for key, words in named("source", 2):
         found = [e for e in known if e.startswith(words)]
         if len(found) != 1:
@@ -161,7 +174,7 @@ def sources():
         said = re.search(r"(?<=\. )(?=[^.]*\b(read|Read|Cited)\b)|(?<=\. )(?=Lecture notes)", entry)
         at = said.start() if said else len(entry)
         yield defined("source@" + key, tex(entry[:at]) + r"\emph{" + tex(entry[at:]) + "}")
-    for name, n in zip(("read", "abstract", "unread"), counts):
+    for name, n in zip(("read", "abstract", "unread", "program"), counts):
         yield r"\newcommand{\sources%s}{%d}" % (name, n)
 
 
@@ -205,6 +218,12 @@ def of_run(out, to):
     """The run's claims as `rlslab list claims` prints them, their hash, and how many bands were set before."""
     run = json.loads((out / "verdicts.json").read_text())
     claims = [(study["name"], n, c) for study in run["studies"] for n, c in enumerate(study["claims"], 1)]
+    of_list = {(study, n, text) for study, its in record("verdicts-full").items() for n, text in enumerate(its, 1)}
+    other = sorted(of_list ^ {(study, n, c["claim"]) for study, n, c in claims})
+    counted = sum(map(int, re.findall(r"rls@count@\w+@\w+\\endcsname\{(\d+)\}", (out / "numbers.tex").read_text())))
+    if other or counted != len(claims):
+        sys.exit("%s: a run of other claims than those on record: %d listed, %d counted, %d on record%s"
+                 % (out, len(claims), counted, len(of_list), "; first " + str(other[0]) if other else ""))
     lines = ["\t".join((s, str(n), *(c.get(k, "") for k in ("kind", "claim", "band", "data", "proof"))))
              for s, n, c in claims]
     (to / "claims.txt").write_text("\n".join(lines) + "\n")
@@ -228,6 +247,7 @@ def figures(out):
 def main():
     if not checks and len(sys.argv) != 3:
         sys.exit(__doc__)
+    quotations()
     text = [line for part in (cells, rows, costs, machine, sources, verdicts, survey) for line in part()]
     for fault in dict.fromkeys(faults):
         print(fault, file=sys.stderr)

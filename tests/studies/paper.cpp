@@ -15,7 +15,7 @@ struct Quoted {
 };
 std::vector<Quoted> quoted(std::string const& text) {
     static std::regex const found(
-        R"(\\(?:found|measured|claimed|verdict|recorded)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
+        R"(\\(?:found|listed|measured|claimed|verdict|recorded)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
     std::vector<Quoted> out;
     for (std::sregex_iterator at(text.begin(), text.end(), found), end; at != end; ++at)
         out.push_back({(*at)[1], (*at)[2], (*at)[3]});
