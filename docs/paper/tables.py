@@ -9,7 +9,7 @@ paper.tex names what it takes:
     \\source{KEY}{WORDS}                  the entry of docs/literature.md that begins with WORDS
     \\cell{PAGE}{HEADING}{ROW}{COLUMN}    a number of a table of a page of docs; HEADING/2 is the second under it
     \\headcell{PAGE}{HEADING}{ROW}{COLUMN}    the same up to its first bracket
-    \\quoted{PAGE}{WORDS}                 words that docs/PAGE.md, or a file PAGE, has, wherever its lines break
+    \\quoted{PAGE}{WORDS}                 words that a page of docs, or a file, has, wherever its lines break
     \\rows{PAGE}{HEADING}{COLUMNS}        the rows of one, of the columns named, ; between them
     \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
     \\recorded{STUDY}{N}{WORDS}           the verdicts on a claim in studies/verdicts-full*.json
