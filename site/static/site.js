@@ -50,6 +50,7 @@ document.addEventListener("DOMContentLoaded", () => {
     const doublings = Math.log2(Math.max(1, Number(value("kappa")) || 1));
     const rows = variants.map(v => [...verdict(v, Number(value("word")), doublings), cost(v)[0], v])
       .sort((a, b) => a[0] - b[0] || (a[2] ?? 1e9) - (b[2] ?? 1e9));
+    const shown = v => `${cost(v)[0]}${v.later ? "*" : ""}${cost(v)[1] == d ? "" : ` (d = ${cost(v)[1]})`}`;
     const count = rank => rows.filter(r => r[0] === rank).length;
     const unit = !word ? "No times were measured in this word" : (board ?
       `Instructions of an update in ${word}, at -O2 (<a href="docs/embedded.html#what-it-costs">measured</a>)` :
@@ -62,7 +63,7 @@ document.addEventListener("DOMContentLoaded", () => {
       <th>variant</th><th>${board ? "instructions" : "ns"}</th><th>verdict</th></tr></thead><tbody>` +
       rows.map(([rank, words, spent, v]) =>
       `<tr class="${rank === 3 ? "no" : ""}"><td><a href="variants/${v.name}.html"><code>${v.name}</code></a></td>
-      <td>${spent === undefined ? "–" : `${spent}${v.later ? "*" : ""} (d = ${cost(v)[1]})`}</td>
+      <td class="cost">${spent === undefined ? "–" : shown(v)}</td>
       <td>${rank === 3 ? "no: " : ""}${words}</td>
       </tr>`).join("") + "</tbody></table>";
   }
