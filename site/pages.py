@@ -183,9 +183,10 @@ def said(header, of):
                    [s for s in split_sentences(f"{short} {text}") if re.search(header.called, s)])]
     found = [f"- **{t}** {of.links.page(short or without_intervals(hits[0]))} [→](../docs/questions.md#{a})"
              for t, a, short, hits in answers]
-    if found:
-        found += ["", folded("What they say of it, with the numbers", "\n".join(
-            f"- **{t}** {of.links.page(' … '.join(hits))}" for t, _, _, hits in answers))]
+    named = [f"- **{t}** {of.links.page(' … '.join(more))}" for t, _, short, hits in answers
+             if (more := [s for s in hits if s not in short])]
+    if named:
+        found += ["", folded("The numbers behind these answers, where they name it", "\n".join(named))]
     claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"] 
               if re.search(rf"\b{header.name}\b(?!')|{header.called}", c)]
     ends = [c for c in claims if re.search(r"definite|overflow|break|surviv|ends|freez|lose", c[1])]
