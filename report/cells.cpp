@@ -1,4 +1,5 @@
-// Heat maps: a rectangle for each cell, its number as a tooltip, and printed in it where there is room.
+// Heat maps: a rectangle for each cell, its number as a tooltip, and printed in it where there is room, or its word;
+// lines between cells whose words in a guide differ.
 #include "report/plot.hpp"
 #include "report/svg.hpp"
 
@@ -45,7 +46,7 @@ std::string shade(double part) {
 
 std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box,
                         Range shades) {
-    std::string rectangles, texts;
+    std::string rectangles, texts, borders;
     if (cells.rows.empty() || cells.places.empty()) return "";
     double const height = (box.bottom - box.top) / double(cells.rows.size());
     Axis const scale(shades, figure.log_y, 0);
@@ -67,15 +68,36 @@ std::string cells_group(Figure const& figure, Panel const& panel, Cells const& c
             escaped_xml(fmt::format("{} {}: {} {}, {} {}", figure.series, curve.row[i], figure.x,
                                     number_text(curve.x[i]), figure.y,
                                     part == part ? number_text(curve.y[i]) : "no number")));
-        std::string const text = fmt::format("{:.2g}", curve.y[i]);
-        if (part == part && right - left > 11 * text_width(text) + 6 && height > 17)
+        std::string const text = i < curve.says.size() ? curve.says[i] : fmt::format("{:.2g}", curve.y[i]);
+        if (part == part && right - left > (curve.says.empty() ? 11 : 15) * text_width(text) + 6 && height > 17)
             texts += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", fixed((left + right) / 2),
-                                 fixed(bottom - height / 2 + 4), part > 0.55 ? "#fff" : "#1a1a1a", tick_text(text));
+                                 fixed(bottom - height / 2 + 4), part > 0.55 ? "#fff" : "#1a1a1a",
+                                 i < curve.says.size() ? escaped_xml(text) : tick_text(text));
     }
+    for (Curve const& region : panel.guides) {
+        auto const word = [&](size_t column, size_t row) -> std::string const* {
+            for (size_t i = 0; i < std::min({region.says.size(), region.x.size(), region.row.size()}); ++i)
+                if (column < cells.places.size() && row < cells.rows.size() && region.x[i] == cells.places[column] &&
+                    region.row[i] == cells.rows[row])
+                    return &region.says[i];
+            return nullptr;
+        };
+        auto const differ = [](std::string const* a, std::string const* b) { return a && b && *a != *b; };
+        for (size_t c = 0; c < cells.places.size(); ++c)
+            for (size_t r = 0; r < cells.rows.size(); ++r) {
+                double const right = edge(c + 1), top = box.bottom - height * double(r + 1);
+                if (differ(word(c, r), word(c + 1, r)))
+                    borders += fmt::format("M{} {}v{}", fixed(right), fixed(top), fixed(height));
+                if (differ(word(c, r), word(c, r + 1)))
+                    borders += fmt::format("M{} {}H{}", fixed(edge(c)), fixed(top), fixed(right));
+            }
+    }
+    if (!borders.empty())
+        rectangles += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#d55e00\" stroke-width=\"3\"/>", borders);
     return fmt::format(
-        "<g stroke=\"#fff\" stroke-width=\".6\">{}</g>\n<g font-size=\"11\" text-anchor=\"middle\" "
+        "<g stroke=\"#fff\" stroke-width=\".6\">{}</g>\n<g font-size=\"{}\" text-anchor=\"middle\" "
         "pointer-events=\"none\">{}</g>\n",
-        rectangles, texts);
+        rectangles, curve.says.empty() ? 11 : 15, texts);
 }
 
 }  // namespace rlslab::report::plot

@@ -121,13 +121,18 @@ std::string panel_svg(Figure const& figure, size_t panel, double width, double h
 
 std::string svg(Figure const& figure) {
     size_t const panels = figure.panels.size(), columns = panels <= 1 ? 1 : figure.cells && panels > 4 ? 3 : 2;
-    constexpr double width = 960, gap = 16;
+    // A map of words stands by itself in a page's column, and has its letters to read.
+    bool const words =
+        figure.cells && panels == 1 && !figure.panels[0].curves.empty() && !figure.panels[0].curves[0].says.empty();
+    double const width = words ? 460 : 960, title = words ? 14 : 16;
+    constexpr double gap = 16;
     double const cell = (width - gap * double(columns - 1)) / double(columns);
-    double const panel_height = columns == 1 ? (figure.square ? 620 : 470) : columns == 2 ? 340 : 280;
+    double const panel_height = words ? 330 : columns == 1 ? (figure.square ? 620 : 470) : columns == 2 ? 340 : 280;
     std::string out;
     double y = 24;
-    for (std::string const& line : wrapped(figure.title, 16, width - 20, 4)) {
-        out += text_at(width / 2, y, line, "font-size=\"16\" font-weight=\"600\" text-anchor=\"middle\"");
+    for (std::string const& line : wrapped(figure.title, title, width - (words ? 60 : 20), 4)) {
+        out += text_at(width / 2, y, line,
+                       fmt::format("font-size=\"{}\" font-weight=\"600\" text-anchor=\"middle\"", title));
         y += 20;
     }
     for (size_t i = 0; i < panels; ++i) {

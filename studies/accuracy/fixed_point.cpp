@@ -106,9 +106,8 @@ Study const fixed_point{
     .name = "fixed_point",
     .question = "How long must a fixed-point word be, and where does its point go?",
     .source =
-        "Liavas & Regalia 1999 (abstract read; the bound read in a program that cites it), Diniz & Siqueira 1995 "
-        "(abstract read), Raghunath & Parhi 1997 (abstract read); ranges and thresholds are derived (docs/theory.md 65 "
-        "to 67)",
+        "Diniz & Siqueira 1995, Raghunath & Parhi 1997 (abstracts read); ranges and thresholds are derived "
+        "(docs/theory.md 65, 66); the sufficient condition is a program's (docs/theory.md 67)",
     .formula =
         R"tex(\begin{aligned} F_{P} &\approx \log_2 \frac{1}{\min_t \lambda_{\min}(P_t)} + \tfrac12\log_2\frac{1}{1-\lambda^2} + 3 \\
               F_{\text{qr}} &\approx \log_2\frac{1}{1-\lambda} + 1 \ldots 4 \qquad
@@ -176,12 +175,12 @@ Study const fixed_point{
             {"the double that the words are compared with has at least 8 digits of P, in most runs",
              [](Table const& t) { return within(t, {}, least("reference_digits"), 8, INFINITY); },
              verification("certified in every trial")},
-            {"X1: Liavas & Regalia's bound asks 37 to 47 bits for white rows, 54 to 57 for the pole 0.9, 69 to 72 for "
-             "0.99",
+            {"X1: the sufficient condition of docs/theory.md 67 asks 37 to 47 bits for white rows, 54 to 57 for the "
+             "pole 0.9, 69 to 72 for 0.99",
              [](Table const& t) {
                  return at_each_pole(t, "sufficient", {{0, {37, 47}}, {0.9, {54, 57}}, {0.99, {69, 72}}});
              },
-             reproduction("Liavas & Regalia 1999 (docs/theory.md 67), evaluated before the run")},
+             reproduction("earlier evaluation of the formula of docs/theory.md 67")},
             {"X1: of significand symmetric needs 4 to 9 bits for white rows, 8 to 10 for the pole 0.9, 13 to 14 for "
              "0.99",
              [](Table const& t) {

@@ -34,13 +34,31 @@ Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bo
     return out;
 }
 
-/// A cell for each (x, series), the median of its numbers.
-Curve cells(Table const& rows, Plot const& plot) {
-    Curve out{.name = plot.y, .look = {}, .x = {}, .y = {}, .lower = {}, .upper = {}};
+/// The word that most of the cells hold, the first of equals; and how many hold it.
+std::pair<std::string, size_t> most_frequent(std::vector<std::vector<Cell>> const& rows, size_t column) {
+    std::pair<std::string, size_t> out;
+    for (std::vector<Cell> const& row : rows) {
+        auto const same = [&](std::vector<Cell> const& other) { return other[column] == row[column]; };
+        if (size_t const count = size_t(std::ranges::count_if(rows, same)); count > out.second)
+            out = {as_text(row[column]), count};
+    }
+    return out;
+}
+
+/// A cell for each (x, series): the median of its numbers, or its most frequent word with the word's share.
+Curve cells(Table const& rows, Plot const& plot, std::string const& column) {
+    Curve out{.name = column, .look = {}, .x = {}, .y = {}, .lower = {}, .upper = {}};
     for (Cell const& line : rows.distinct(plot.series)) {
         Table const along = rows.where(plot.series, line);
         for (Cell const& place : along.distinct(plot.x)) {
-            double const value = median(along.where(plot.x, place).numbers(plot.y));
+            Table const here = along.where(plot.x, place);
+            bool const words = std::holds_alternative<std::string>(here.rows().front()[here.index(column)]);
+            double value = 0;
+            if (words) {
+                auto const [word, count] = most_frequent(here.rows(), here.index(column));
+                out.says.push_back(word);
+                value = double(count) / double(here.rows().size());
+            } else value = median(here.numbers(column));
             out.x.push_back(std::get<double>(place));
             out.y.push_back(value);
             out.lower.push_back(value);
@@ -96,8 +114,10 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
         std::vector<std::string> const by = plot.panel.empty() ? std::vector<std::string>{} : std::vector{plot.panel};
         for (auto const& [name, here] : rows.groups(by)) {
             Panel panel{name, {}, {}};
-            if (plot.cells) panel.curves.push_back(cells(here, plot));
-            else
+            if (plot.cells) {
+                panel.curves.push_back(cells(here, plot, plot.y));
+                for (Guide const& border : plot.guides) panel.guides.push_back(cells(here, plot, border.label));
+            } else
                 for (size_t place = 0; place < all_series.size(); ++place) {
                     Table const one = here.where(plot.series, all_series[place]);
                     if (one.empty()) continue;
@@ -106,7 +126,7 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
                     panel.curves.push_back(curve(word ? series : plot.series + " " + series,
                                                  look_of(family_of_variant(series), place), one, plot, log_x, log_y));
                 }
-            for (size_t place = 0; place < plot.guides.size(); ++place)
+            for (size_t place = 0; place < plot.guides.size() && !plot.cells; ++place)
                 panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y, plot.floor));
             figure.panels.push_back(std::move(panel));
         }

@@ -18,9 +18,6 @@ Records answered(Matrix<double> psi, Seed seed, double noise) {
     return out;
 }
 
-namespace {
-
-/// n orthonormal columns of `size` numbers, from noise by modified Gram-Schmidt, twice; sums in order.
 Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
     Matrix<double> Q(size, n);
     auto const dot = [&](Index a, Index b) {
@@ -40,8 +37,6 @@ Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
     }
     return Q;
 }
-
-}  // namespace
 
 std::vector<double> singular_values(std::string_view shape, Index size, double kappa) {
     std::vector<double> out;

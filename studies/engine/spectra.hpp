@@ -12,6 +12,9 @@ namespace rlslab::studies {
 /// y_k = psi_k'theta + noise v_k, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell). psi is d x N.
 Records answered(Matrix<double> psi, Seed seed, double noise);
 
+/// n orthonormal columns of `size` numbers, n <= size, from noise by modified Gram-Schmidt, twice; sums in order.
+Matrix<double> orthonormal(Index size, Index n, Seed& seed);
+
 /// The d singular values of condition kappa, largest first and 1: "geometric", or all equal but "one small" or "one
 /// large".
 std::vector<double> singular_values(std::string_view shape, Index size, double kappa);

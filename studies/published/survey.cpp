@@ -85,8 +85,10 @@ Statistic share(std::string column, bool (*holds)(double), Estimate estimate = E
         .over("record");
 }
 bool is_positive(double x) { return x > 0; }
-bool is_half_a_digit(double x) { return x <= 0.5; }
-bool is_a_digit(double x) { return x <= 1; }
+/// Losses are tenths and their medians twentieths: without the rounding of differences, forms that tie differ by 0.
+double in_twentieths(double x) { return std::round(20 * x) / 20 + 0.0; }
+bool is_half_a_digit(double x) { return in_twentieths(x) <= 0.5; }
+bool is_a_digit(double x) { return in_twentieths(x) <= 1; }
 Statistic const breaks_down = share("broken", is_positive), hits = share("loss", is_half_a_digit);
 
 Table in(Table const& t, std::vector<std::string> const& some_words) { return t.where("word", some_words); }
@@ -100,7 +102,7 @@ Judgement loses_more_than_ud(Table const& t, std::vector<std::string> const& var
         Statistic const more([=](Table const& of) {
             double const own = median("loss")(of.where("variant", variant)),
                          ud = median("loss")(of.where("variant", "ud"));
-            return own == ud ? 0.0 : own - ud;
+            return own == ud ? 0.0 : in_twentieths(own - ud);
         });
         parts.push_back(
             labelled(variant, within(t.where("variant", {variant, "ud"}), {"word"}, more.over("record"), 0, INFINITY)));

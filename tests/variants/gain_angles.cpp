@@ -3,6 +3,7 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/linalg/start.hpp>
 
+#include "studies/gain/turned_rotations.hpp"
 #include "tests/variants/gain_laws.hpp"
 
 #include <gtest/gtest.h>
@@ -29,36 +30,13 @@ M root(Case<T> const& c) {
     return S.view();
 }
 
-/// The update of inverse_qr, with rotation `wrong` turned by phi more; -1: none. Returns the new S, and b_1 ... b_d.
 std::pair<M, std::vector<T>> inverse_qr(Case<T> const& c, Index wrong, T const& phi) {
-    M S = root(c) / square_root(c.lambda);
-    V const a = S.transpose().lazyProduct(c.psi);
-    V g = V::Zero(c.size);
-    T b = T(1);
-    std::vector<T> all;
-    for (Index j = 0; j < c.size; ++j) {
-        T const next = square_root(T(b * b + a[j] * a[j]));
-        T cosine = b / next, sine = a[j] / next;
-        if (j == wrong) {
-            T const turned = cosine * cos(phi) - sine * sin(phi);
-            sine = sine * cos(phi) + cosine * sin(phi);
-            cosine = turned;
-        }
-        for (Index i = 0; i <= j; ++i) {
-            T const t = S(i, j), before = g[i];
-            g[i] = cosine * before + sine * t;
-            S(i, j) = cosine * t - sine * before;
-        }
-        b = next;
-        all.push_back(b);
-    }
-    return {S, all};
+    return studies::turned_inverse_qr<T>(root(c), c.psi, c.lambda, wrong, phi);
 }
 
-/// The update of qr: the new R, and the running row after rotation `wrong`, which is turned by phi more.
-std::pair<M, V> qr(Case<T> const& c, Index wrong, T const& phi) {
+/// R of P^-1 = R'R by Gauss and Jordan, then Cholesky.
+M information_root(Case<T> const& c) {
     M R = M::Zero(c.size, c.size), A = M::Identity(c.size, c.size), P = c.P;
-    // A = P^-1 by Gauss and Jordan, then R'R = A by Cholesky.
     for (Index j = 0; j < c.size; ++j) {
         T const pivot = P(j, j);
         for (Index k = 0; k < c.size; ++k) P(j, k) /= pivot, A(j, k) /= pivot;
@@ -74,25 +52,10 @@ std::pair<M, V> qr(Case<T> const& c, Index wrong, T const& phi) {
         for (Index k = i + 1; k < c.size; ++k)
             for (Index m = i + 1; m < c.size; ++m) A(k, m) -= R(i, k) * R(i, m);
     }
-    R *= square_root(c.lambda);
-    V x = c.psi, after = V::Zero(c.size);
-    for (Index i = 0; i < c.size; ++i) {
-        T const r = square_root(T(R(i, i) * R(i, i) + x[i] * x[i])), cosine = R(i, i) / r, sine = x[i] / r;
-        auto const turn = [&](T const& with_cosine, T const& with_sine) {
-            for (Index k = i; k < c.size; ++k) {
-                T const t = R(i, k);
-                R(i, k) = with_cosine * t + with_sine * x[k];
-                x[k] = with_cosine * x[k] - with_sine * t;
-            }
-            x[i] = T(0);  // as the variant has it: what it does not store
-        };
-        turn(cosine, sine);
-        if (i == wrong) {
-            after = x;
-            turn(cos(phi), sin(phi));
-        }
-    }
-    return {R, after};
+    return R;
+}
+std::pair<M, V> qr(Case<T> const& c, Index wrong, T const& phi) {
+    return studies::turned_qr<T>(information_root(c), c.psi, c.lambda, wrong, phi);
 }
 
 TEST(AngleLaws, OfInverseQr) {

@@ -1,0 +1,56 @@
+// By compare itself and its rules.
+#include "studies/published/naming.hpp"
+
+#include <rlslab/catalogue/catalogue.hpp>
+
+#include <rlslab/reference/certified.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab::studies::naming {
+using namespace compare;
+namespace {
+
+/// From the catalogue's list, so that new forms take part.
+std::vector<std::string> nameable() {
+    std::vector<std::string> out;
+    for (CatalogueEntry const* const entry : one_entry_each())
+        if (entry->block == 1 && cost(entry->variant, 2)) out.emplace_back(entry->variant);
+    return out;
+}
+
+}  // namespace
+
+std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders) {
+    Problem<double> const without{
+        .size = records.parameters(), .forgetting = problem.forgetting, .prior = std::nullopt};
+    if (certified(without, records, {records.rows()}).front().status() == Status::singular) return {};
+    return compare::compare(records, {.forgetting = problem.forgetting,
+                                      .p0 = problem.p0,
+                                      .variants = nameable(),
+                                      .arithmetics = {problem.word},
+                                      .seed = orders,
+                                      .threads = 1,
+                                      .timings = false});
+}
+
+std::string named_in(std::optional<Comparison> const& comparison) {
+    if (!comparison || comparison->recommendations.front().variant.empty()) return "none";
+    return comparison->recommendations.front().variant;
+}
+
+Losses::Losses(Comparison const& comparison) {
+    for (Result const& r : comparison.results)
+        if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
+    for (Result const* r : sound) least = std::min(least, loss_of(*r, sound).digits);
+}
+double Losses::of(std::string const& variant) const {
+    for (Result const* r : sound)
+        if (r->entry->variant == variant) return loss_of(*r, sound).digits;
+    return INFINITY;
+}
+
+double tenths(double digits) { return std::round(10 * digits) / 10 + 0.0; }
+
+}  // namespace rlslab::studies::naming

@@ -1,0 +1,32 @@
+// What compare names of a record of a random problem, and what a form loses on another record.
+#pragma once
+
+#include "compare/recommend.hpp"
+#include "studies/published/drawn_problem.hpp"
+
+#include <cmath>
+
+namespace rlslab::studies::naming {
+
+using compare::Comparison;
+
+/// The forms that compare may name (dense, a row at a time), in the problem's word, by its lambda and prior. `orders`:
+/// the seed of the orders of rows. Nothing where the rows do not determine theta.
+std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders);
+
+/// "none" where compare names none.
+std::string named_in(std::optional<Comparison> const& comparison);
+
+/// The losses of the forms, infinite for those that broke down. They point into the comparison.
+struct Losses {
+    std::vector<compare::Result const*> sound;
+    double least = INFINITY;
+
+    explicit Losses(Comparison const& comparison);
+    double of(std::string const& variant) const;
+};
+
+/// Tenths of a digit, without the rounding of a difference.
+double tenths(double digits);
+
+}  // namespace rlslab::studies::naming

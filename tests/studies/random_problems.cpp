@@ -1,0 +1,89 @@
+// The random problems of study random_problems: their ranges, their spectrum, and what two realisations share.
+#include "studies/published/drawn_problem.hpp"
+
+#include <rlslab/studies/spectra.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+
+namespace rlslab::studies {
+namespace {
+
+std::vector<DrawnProblem> drawn(Index count) {
+    std::vector<DrawnProblem> out;
+    Seed seed{7};
+    for (Index number = 1; number <= count; ++number) out.push_back(drawn_problem(number, Seed{seed.next()}));
+    return out;
+}
+
+TEST(RandomProblems, KeepTheStatedRanges) {
+    std::map<std::string, int> words;
+    for (DrawnProblem const& p : drawn(400)) {
+        ++words[p.word];
+        EXPECT_TRUE((1 <= p.size && p.size <= 16) || p.size == 32);
+        EXPECT_TRUE(2 * p.size <= p.rows && p.rows <= 2000);
+        EXPECT_TRUE(1 <= p.kappa && p.kappa <= 1e8);
+        EXPECT_TRUE(p.offset == 0 || (1 <= p.offset && p.offset <= 1e3));
+        EXPECT_TRUE(p.noise == 0 || (1e-6 <= p.noise && p.noise <= 10));
+        EXPECT_TRUE(p.forgetting == 1 || (0.9 <= p.forgetting * 1.000001 && p.forgetting <= 0.9999 * 1.000001));
+        EXPECT_EQ(p.p0.has_value(), p.prior != "proposed");
+        EXPECT_FALSE(p.intercept && p.size == 1);
+        EXPECT_GT(p.theta.cwiseAbs().maxCoeff(), 0);
+    }
+    EXPECT_EQ(words["float"] + words["double"], 360);
+    EXPECT_EQ(words["binary16"], 20);
+    EXPECT_EQ(words["bfloat16"], 20);
+}
+
+TEST(RandomProblems, TakeEveryKind) {
+    std::map<std::string, int> kinds;
+    for (DrawnProblem const& p : drawn(600))
+        for (std::string const& kind : {p.regressors, p.spectrum, "theta " + p.direction, "prior " + p.prior,
+                                        std::string(p.forgetting == 1 ? "lambda = 1" : "less"),
+                                        std::string(p.noise == 0 ? "without noise" : "with noise")})
+            ++kinds[kind];
+    EXPECT_EQ(kinds.size(), 3u + 4u + 4u + 3u + 2u + 2u);
+    EXPECT_NEAR(kinds["lambda = 1"], 300, 5 * std::sqrt(600 / 4.0));
+    EXPECT_NEAR(kinds["without noise"], 75, 5 * std::sqrt(75));
+    for (char const* third : {"rotated", "units", "delay line", "prior proposed", "prior default", "prior given"})
+        EXPECT_NEAR(kinds[third], 200, 5 * std::sqrt(200)) << third;
+    for (char const* quarter : {"geometric", "clustered", "theta v_1", "theta v_d", "theta generic", "theta sparse"})
+        EXPECT_NEAR(kinds[quarter], 150, 5 * std::sqrt(150)) << quarter;
+}
+
+TEST(RandomProblems, HaveTheirSpectrumAndTheta) {
+    for (DrawnProblem const& p : drawn(100)) {
+        auto const [least, greatest] = std::ranges::minmax(p.sigma);
+        EXPECT_NEAR(greatest / least, p.size == 1 ? 1 : p.kappa, 1e-9 * p.kappa);
+        EXPECT_LT((p.V.transpose() * p.V - Eigen::MatrixXd::Identity(p.size, p.size)).cwiseAbs().maxCoeff(), 1e-14);
+        if (p.regressors == "delay line") continue;
+        if (p.direction == "v_1") {
+            EXPECT_EQ(p.theta, p.V.col(0));
+        } else if (p.direction == "v_d") {
+            EXPECT_EQ(p.theta, p.V.col(p.size - 1));
+        }
+    }
+}
+
+TEST(RandomProblems, RealisationsShareTheSystemAlone) {
+    for (DrawnProblem const& p : drawn(60)) {
+        Records const one = realisation(p, Seed{1}, Seed{2}), again = realisation(p, Seed{1}, Seed{3}),
+                      other = realisation(p, Seed{4}, Seed{3});
+        EXPECT_EQ(one.psi, again.psi);
+        EXPECT_NE(one.psi, other.psi);
+        EXPECT_EQ(one.y == again.y, p.noise == 0);
+        EXPECT_EQ(one.rows(), p.rows);
+        EXPECT_EQ((one.psi.row(p.size - 1).array() == 1).all(), p.intercept);
+        Eigen::VectorXd const residual = one.y - one.psi.transpose() * p.theta;
+        double const share = residual.norm() / (one.psi.transpose() * p.theta).norm();
+        EXPECT_NEAR(share, p.noise, 1e-12 + (p.noise == 0 ? 0 : p.noise * 5 / std::sqrt(double(p.rows))));
+        if (p.regressors != "delay line" || p.intercept) continue;
+        for (Index k = 1; k < p.rows; ++k)
+            for (Index i = 1; i < p.size && p.offset == 0; ++i) ASSERT_EQ(one.psi(i, k), one.psi(i - 1, k - 1));
+    }
+}
+
+}  // namespace
+}  // namespace rlslab::studies
