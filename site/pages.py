@@ -72,7 +72,7 @@ def questions():
             part = block[3:].lower().replace(" ", "-")
         if m := re.match(r'(?:<a id="[^"]*"></a>)?\*\*(.*?)\*\*(.*)', block, re.S):
             found.append((" ".join(m[1].split()), part, "", " ".join(m[2].split())))
-        elif block.startswith(numbers):
+        elif found and block.startswith(numbers):
             title, place, _, short = found.pop()
             found.append((title, place, short, " ".join(block.removeprefix(numbers).split())))
     return found
