@@ -121,6 +121,15 @@ struct Recommendation {
     std::vector<Loss> losses = {};  ///< of this variant, the runner-up, and `conventional`: each that was tried, once
 };
 
+/// What the prior costs a form that stores P, in theta against least squares; predicted (docs/theory.md 106).
+struct PriorCost {
+    std::string_view arithmetic;
+    std::string form;  ///< "symmetric", for all that update P by a difference, or "joseph"
+    double best_c2;    ///< with which it is predicted to be nearest to least squares: P0 = c^2 I, or diag(c^2 / s_i^2)
+    double digits;     ///< predicted with that one
+    double loss;       ///< of these digits, by the prior that was given; at most all
+};
+
 /// The names of output and regressors, for the text and for the printed code.
 struct ModelText {
     std::string file, output;                           ///< "sales.csv", "sales[k]"
@@ -149,7 +158,8 @@ struct Comparison {
     std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
-    std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
+    std::vector<PriorCost> prior_costs = {};  ///< where somebody computed them: prior_costs.hpp
+    std::vector<FastResult> fast = {};        ///< empty unless the regressors are a delay line, and with a composition
     std::shared_ptr<struct DigitsAnswer const> digits =
         {};  ///< with options.digits: what keeps them; it then is the answer that is shown
     std::optional<report::Provenance> run = {};  ///< with it JSON, CSV and page say which run they are from

@@ -55,6 +55,16 @@ struct Layout {
     }
 };
 
+Json prior_costs_json(Comparison const& c) {
+    Json out = Json::array();
+    for (PriorCost const& cost : c.prior_costs)
+        out.push_back({{"arithmetic", cost.arithmetic},
+                       {"form", cost.form},
+                       {"best_c2", short_json(cost.best_c2)},
+                       {"digits", digits_json(cost.digits)},
+                       {"loss", digits_json(cost.loss)}});
+    return out;
+}
 Json losses_json(Recommendation const& r) {
     Json out = Json::array();
     for (Loss const& loss : r.losses)
@@ -297,6 +307,7 @@ std::string as_json(Comparison const& c) {
                         {"condition", short_json(c.condition)},
                         {"prior_bias", short_json(c.prior_bias)},
                         {"component_bias", short_json(c.component_bias)}};
+    out["prior_costs"] = prior_costs_json(c);
     if (!c.options.composition.empty()) out["composition"] = composition_json(c);
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;

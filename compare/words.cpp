@@ -2,6 +2,7 @@
 #include "compare/words.hpp"
 #include "compare/composed_words.hpp"
 #include "compare/digits_answer.hpp"
+#include "compare/prior_costs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -100,6 +101,7 @@ std::vector<std::string> warnings(Comparison const& c) {
     else if (!(c.component_bias <= most_component_bias))
         out.push_back(
             fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
+    if (std::string const cost = prior_cost_text(c); !cost.empty()) out.push_back(cost);
     if (c.offset > most_offset)
         out.push_back(
             fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that "

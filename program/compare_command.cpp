@@ -2,6 +2,7 @@
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/digits_answer.hpp"
+#include "compare/prior_costs.hpp"
 #include "program/composition_options.hpp"
 #include "program/examples.hpp"
 #include "program/record_options.hpp"
@@ -49,6 +50,7 @@ int run_compare(CompareArguments const& a) {
     Question const question = question_of(with_example(a.record));
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     comparison.model = question.model;
+    if (options.p0 || a.json || !a.out.empty()) comparison.prior_costs = prior_costs(question.records, comparison);
     comparison.run = this_run(options.timings, question.model.file, question.sha256, question.rows);
     if (options.digits)
         comparison.digits = std::make_shared<DigitsAnswer>(

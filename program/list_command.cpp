@@ -4,6 +4,7 @@
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
 #include <rlslab/studies/factors.hpp>
+#include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/core/rounding.hpp>
 #include <rlslab/input/suggestion.hpp>
@@ -103,13 +104,35 @@ std::string studies_text(Json& out, std::vector<std::string> const& words) {
     return text;
 }
 
-/// All parts, or the one that is named; of the studies those that are about all the words.
+/// A claim a line, its parts apart by tabs: what a hash of the whole list is taken of before a run.
+std::string claims_text(Json& out) {
+    std::string text;
+    out["claims"] = Json::array();
+    for (Study const* study : studies::studies())
+        for (size_t i = 0; i < study->claims.size(); ++i) {
+            Claim const& claim = study->claims[i];
+            std::string const& data = claim.basis.data.empty() ? study->data : claim.basis.data;
+            text += fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\n", study->name, i + 1, name_of(claim.basis.kind),
+                                claim.text, claim.basis.band, data, claim.basis.proof);
+            out["claims"].push_back({{"study", study->name},
+                                     {"number", i + 1},
+                                     {"kind", name_of(claim.basis.kind)},
+                                     {"claim", claim.text},
+                                     {"band", claim.basis.band},
+                                     {"data", data},
+                                     {"proof", claim.basis.proof}});
+        }
+    return text;
+}
+
+/// All parts but the claims, or the one that is named; of the studies those that are about all the words.
 void run_list(std::string const& part, std::vector<std::string> const& words, bool json) {
     std::pair<std::string_view, std::function<std::string(Json&)>> const parts[] = {
         {"variants", variants_text},
         {"arithmetics", arithmetics_text},
         {"rounding", rounding_text},
-        {"studies", [&](Json& out) { return studies_text(out, words); }}};
+        {"studies", [&](Json& out) { return studies_text(out, words); }},
+        {"claims", claims_text}};
     std::vector<std::string_view> names;
     for (auto const& [name, text] : parts) names.push_back(name);
     if (!part.empty()) expect_one_of(names, part, "list", "part");
@@ -119,7 +142,7 @@ void run_list(std::string const& part, std::vector<std::string> const& words, bo
     Json out;
     std::string text;
     for (auto const& [name, text_of] : parts)
-        if (part.empty() || part == name) text += (text.empty() ? "" : "\n") + text_of(out);
+        if (part.empty() ? name != "claims" : part == name) text += (text.empty() ? "" : "\n") + text_of(out);
     out["run"] = Json::parse(as_json(this_run(false)));
     print(json ? out.dump(2) + '\n' : text);
 }
@@ -134,12 +157,14 @@ Command list_command(CLI::App& app) {
     listing->footer(fmt::format(
         "Example:          {0} list variants --json\n"
         "By paper:         {0} list studies Bierman 1977\n"
-        "By subject:       {0} list studies forgetting\n\n"
+        "By subject:       {0} list studies forgetting\n"
+        "A hash of bands:  {0} list claims | sha256sum\n\n"
         "Studies are found by their text: name, subject, question, source, data, result and claims. All words have to "
         "be there.\n\n"
         "Exit code: 0; 2 no study has these words.",
         program_name()));
-    listing->add_option("PART", *part, "variants, arithmetics, rounding or studies; default: all")->type_name("");
+    listing->add_option("PART", *part, "variants, arithmetics, rounding, studies or claims; default: all but claims")
+        ->type_name("");
     listing->add_option("WORD", *words, "behind studies: those about all these words, such as an author and a year")
         ->type_name("");
     listing->add_flag("--json", *json, "JSON instead of the tables");

@@ -7,17 +7,6 @@
 
 namespace rlslab::studies {
 
-Records answered(Matrix<double> psi, Seed seed, double noise) {
-    Index const rows = psi.cols();
-    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
-    for (Index k = 0; k < rows; ++k) {
-        double sum = 0;  // in order: Eigen's sum depends on the instruction set
-        for (Index i = 0; i < out.psi.rows(); ++i) sum += out.psi(i, k);
-        out.y[k] = sum + noise * seed.bell();
-    }
-    return out;
-}
-
 Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
     Matrix<double> Q(size, n);
     auto const dot = [&](Index a, Index b) {
@@ -48,13 +37,35 @@ std::vector<double> singular_values(std::string_view shape, Index size, double k
     return out;
 }
 
-Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise) {
+Records answered(Matrix<double> psi, Seed seed, double noise) {
+    Vector<double> const ones = Vector<double>::Ones(psi.rows());
+    return answered(std::move(psi), ones, seed, noise);
+}
+
+Records answered(Matrix<double> psi, Vector<double> const& theta, Seed seed, double noise) {
+    Index const rows = psi.cols();
+    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
+    for (Index k = 0; k < rows; ++k) {
+        double sum = 0;
+        for (Index i = 0; i < out.psi.rows(); ++i) sum += theta[i] * out.psi(i, k);
+        out.y[k] = sum + noise * seed.bell();
+    }
+    return out;
+}
+
+SingularRows rows_of_singular_values(std::vector<double> const& sigma, Index rows, Seed& seed, bool rotated) {
     Index const size = Index(sigma.size());
-    Matrix<double> const U = orthonormal(rows, size, seed), V = orthonormal(size, size, seed);
-    Matrix<double> psi = Matrix<double>::Zero(size, rows);
+    Matrix<double> const U = orthonormal(rows, size, seed);
+    SingularRows out{Matrix<double>::Zero(size, rows), Matrix<double>::Identity(size, size)};
+    if (rotated) out.V = orthonormal(size, size, seed);
     for (Index j = 0; j < size; ++j)
         for (Index k = 0; k < rows; ++k)
-            for (Index i = 0; i < size; ++i) psi(i, k) += U(k, j) * sigma[size_t(j)] * V(i, j);
+            for (Index i = 0; i < size; ++i) out.psi(i, k) += U(k, j) * sigma[size_t(j)] * out.V(i, j);
+    return out;
+}
+
+Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise) {
+    Matrix<double> psi = rows_of_singular_values(sigma, rows, seed, true).psi;
     return answered(std::move(psi), seed, noise);
 }
 

@@ -226,6 +226,45 @@ TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     EXPECT_THAT(said, HasSubstr("-3.482258634595"));
     EXPECT_THAT(text(longley + " --p0 16384"), rlslab::Names("P0 16384 theta 9.8e-01 --p0"));
 }
+/// The law is tested in prior.cpp; here, that it is in JSON with any prior and in the text with --p0.
+TEST_F(CompareCommand, SaysWhatAPriorCosts) {
+    for (std::string const prior : {"", " --p0 1e9"}) {
+        json const out = compared(sales + " --detrend --all" + prior);
+        std::vector<std::string> said;
+        for (json const& cost : out["prior_costs"]) {
+            said.push_back(cost["arithmetic"].get<std::string>() + " " + cost["form"].get<std::string>());
+            EXPECT_GT(cost["best_c2"].get<double>(), 0);
+            EXPECT_GE(cost["loss"].get<double>(), 0);
+            EXPECT_LE(cost["loss"].get<double>(), cost["digits"].get<double>());
+        }
+        std::vector<std::string> expected;
+        for (char const* const word : {"bfloat16", "binary16", "float", "double"})
+            for (char const* const form : {" symmetric", " joseph"})
+                if (prior.empty() || word != std::string("binary16")) expected.push_back(word + std::string(form));
+        EXPECT_EQ(said, expected) << "binary16 ends at 65504";
+        std::string const warned = out["warnings"].dump();
+        if (prior.empty()) EXPECT_THAT(warned, Not(HasSubstr("costs forms that store P")));
+        else EXPECT_THAT(warned, rlslab::Names("--p0 symmetric float c^2"));
+    }
+    EXPECT_THAT(text(sales + " --detrend --p0 1e9"), rlslab::Names("--p0 symmetric float c^2"));
+    EXPECT_TRUE(compared(sales + " --forgetting 0.99 --arithmetic double")["prior_costs"].empty());
+    EXPECT_TRUE(compared(sales + " --window 50 --arithmetic double")["prior_costs"].empty());
+}
+/// At the ends of the range of P0, one row, dependent columns, theta = 0: a line of text or a refusal, no NaN.
+TEST_F(CompareCommand, HasAnAnswerForAnyPriorAndRecord) {
+    write("one.csv", "u,y\n3,6\n");
+    write("zero.csv", "u,v,y\n1,2,0\n2,1,0\n3,5,0\n");
+    write("rank.csv", "u,v,y\n1,2,1\n2,4,3\n3,6,2\n");
+    for (std::string const p0 : {"9.332636185032189e-302", "1.0715086071862673e+301", "1"})
+        for (std::string const record : {"one.csv --regressors u", "zero.csv --regressors u,v"}) {
+            std::string const said = text(record + " --output y --p0 " + p0);
+            for (char const* const wrong : {"nan", "inf"})
+                EXPECT_THAT(said, Not(HasSubstr(std::string(" ") + wrong + " "))) << record << p0;
+            for (json const& cost : compared(record + " --output y --p0 " + p0)["prior_costs"])
+                EXPECT_TRUE(cost["loss"].is_number() && cost["digits"].is_number()) << record << p0;
+        }
+    EXPECT_EQ(shell("rlslab compare rank.csv --regressors u,v --output y --p0 1").code, 2);
+}
 
 TEST_F(CompareCommand, TakesSeveralInputs) {
     json const arx = compared("two.csv --input u,v --output y --na 1 --nb 1 --delay 1 --intercept");

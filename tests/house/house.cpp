@@ -131,7 +131,7 @@ std::vector<Folder> const house{
     {"studies/engine", {"catalogue", "report"}},
     {"studies/gain", {"studies/engine"}},
     {"studies/definiteness", {"studies/engine"}},
-    {"studies/accuracy", {"studies/engine"}},
+    {"studies/accuracy", {"studies/engine", "compare"}},
     {"studies/forgetting", {"studies/engine"}},
     {"studies/adapt", {"studies/engine"}},
     {"studies/fast", {"studies/engine", "fast"}},

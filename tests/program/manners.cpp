@@ -43,7 +43,7 @@ TEST_F(Program, SaysWhatAnOptionWants) {
     refused("list --quiet=maybe", "--quiet");
     refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order");
     refused("study --threads", "--threads N");
-    refused("list list", "list variants arithmetics rounding studies");
+    refused("list list", "list variants arithmetics rounding studies claims");
     refused("list variant", "list variant variants");
     refused("list variants studies", "studies --help");
     refused("ok.csv", "ok.csv --input U --output Y --order N");

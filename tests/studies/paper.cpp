@@ -2,7 +2,10 @@
 #include <rlslab/studies/latex.hpp>
 #include "tests/common/program.hpp"
 
+#include <algorithm>
 #include <regex>
+#include <set>
+#include <sstream>
 
 namespace rlslab::studies {
 namespace {
@@ -11,7 +14,8 @@ struct Quoted {
     std::string study, number, words;
 };
 std::vector<Quoted> quoted(std::string const& text) {
-    static std::regex const found(R"(\\(?:found|measured|claimed|verdict)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
+    static std::regex const found(
+        R"(\\(?:found|measured|claimed|verdict|recorded)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
     std::vector<Quoted> out;
     for (std::sregex_iterator at(text.begin(), text.end(), found), end; at != end; ++at)
         out.push_back({(*at)[1], (*at)[2], (*at)[3]});
@@ -27,6 +31,42 @@ std::string wrong_with(Quoted const& q) {
             return claim.starts_with(q.words) ? "" : q.study + ", claim " + q.number + " is: " + claim;
         }
     return "no study " + q.study;
+}
+
+/// What is wrong with the citations of a paper: each is a \\source, each \\source is cited, and begins one entry of the
+/// list of sources in docs/literature.md.
+std::vector<std::string> wrong_citations(std::string const& paper, std::string const& literature) {
+    std::set<std::string> cited, given;
+    static std::regex const cite(R"(\\cite\{([a-z0-9,]+)\})"), source(R"(\\source\{([a-z0-9]+)\}\{([^}]+)\})");
+    for (std::sregex_iterator at(paper.begin(), paper.end(), cite), end; at != end; ++at) {
+        std::istringstream keys((*at)[1]);
+        for (std::string key; std::getline(keys, key, ',');) cited.insert(key);
+    }
+    std::string const entries = literature.substr(literature.find("<a id=\"6\">"));
+    std::vector<std::string> out;
+    for (std::sregex_iterator at(paper.begin(), paper.end(), source), end; at != end; ++at) {
+        std::string const entry = "\n- " + (*at)[2].str(), key = (*at)[1];
+        if (!given.insert(key).second) out.push_back(key + " twice");
+        if (!cited.contains(key)) out.push_back(key + " is not cited");
+        size_t const found = entries.find(entry);
+        if (found == entries.npos || entries.find(entry, found + 1) != entries.npos)
+            out.push_back(key + ": not one entry of docs/literature.md 6");
+    }
+    for (std::string const& key : cited)
+        if (!given.contains(key)) out.push_back(key + " has no source");
+    return out;
+}
+
+TEST(Paper, CitesWhatDocsLiteratureHas) {
+    std::string const paper = read(root + "/docs/paper/paper.tex"), literature = read(root + "/docs/literature.md");
+    EXPECT_THAT(wrong_citations(paper, literature), testing::IsEmpty());
+    std::string const list = "<a id=\"6\">\n- Bierman, G. J. One. Read.\n- Bierman, G. J. Two. Cited, not read.\n";
+    auto const wrong = [&](std::string const& text) { return wrong_citations(text, list); };
+    EXPECT_THAT(wrong(R"(\cite{one} \source{one}{Bierman, G. J. One})"), testing::IsEmpty());
+    EXPECT_THAT(wrong(R"(\cite{one,two} \source{one}{Bierman, G. J. One})"), testing::ElementsAre("two has no source"));
+    EXPECT_THAT(wrong(R"(\source{one}{Bierman, G. J. One})"), testing::ElementsAre("one is not cited"));
+    for (char const* const words : {"Bierman, G. J.", "Nobody"})
+        EXPECT_THAT(wrong(std::string(R"(\cite{one} \source{one}{)") + words + "}"), testing::SizeIs(1)) << words;
 }
 
 TEST(Paper, QuotesClaimsThatExist) {
@@ -54,6 +94,22 @@ TEST(Latex, KnowsEverySignOfTheClaims) {
                 EXPECT_LT(static_cast<unsigned char>(c), 0xc4)
                     << "beyond Latin letters: " << study->name << ": " << claim.text;
             }
+}
+
+TEST_F(Program, ListsEveryClaimWithItsBand) {
+    std::string const text = shell("rlslab list claims").out;
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    size_t n = 0;
+    for (Study const* study : studies())
+        for (size_t i = 0; i < study->claims.size(); ++i, ++n) {
+            ASSERT_LT(n, lines.size());
+            EXPECT_TRUE(lines[n].starts_with(study->name + '\t' + std::to_string(i + 1) + '\t')) << lines[n];
+            EXPECT_THAT(lines[n], testing::HasSubstr('\t' + study->claims[i].text + '\t'));
+            EXPECT_EQ(std::ranges::count(lines[n], '\t'), 6) << lines[n];
+        }
+    EXPECT_EQ(lines.size(), n);
 }
 
 TEST_F(Program, AStudyLeavesTablesAndNumbersForPapers) {

@@ -1,0 +1,20 @@
+// What a prior costs the forms that store P, against the best one of its shape.
+#pragma once
+
+#include "compare/compare.hpp"
+
+namespace rlslab::compare {
+
+/// A loss below this is no reason for a warning.
+inline constexpr double least_prior_loss = 0.5;
+
+/// For each arithmetic of the comparison that rounds to nearest, has at most 53 bits and holds data and prior:
+/// `symmetric` (for all that update P by a difference), then `joseph`; predicted by prior_law.hpp. Empty with a
+/// composition, with lambda < 1, and where there is no law. Costs O(d^2) operations in 257 bits for each of at most
+/// max(4 d, 4e4 / d^2) rows and 14 priors: up to a second.
+std::vector<PriorCost> prior_costs(Records const& records, Comparison const& comparison);
+
+/// The sentence on --p0; "" where it is scaled to the data, or costs less than half a digit everywhere.
+std::string prior_cost_text(Comparison const& comparison);
+
+}  // namespace rlslab::compare

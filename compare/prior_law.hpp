@@ -1,0 +1,58 @@
+// The prior variance c^2 at which a form keeps most digits of least squares, predicted from the records: what a given
+// one costs.
+#pragma once
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/reference/certified.hpp>
+
+#include <string_view>
+
+namespace rlslab::compare {
+
+/// Forms by where their rounding grows with the prior.
+enum class PriorForm {
+    stored,   ///< P itself, updated by a difference: u c^2 while directions are unknown
+    products  ///< P itself, by Joseph's products: the same times the size of I - K psi'
+};
+
+/// Errors of theta after the last row at P0 = c^2 I, |.| / |theta_LS|; in other units at P0 = diag((c / s_i)^2), in the
+/// norm |x|^2 = sum (s_i x_i)^2.
+struct PriorPoint {
+    double c2;
+    double bias;              ///< of the minimiser with the prior against least squares: (1), exact
+    double stored, products;  ///< root mean square of rounding, in units of u: (3) and (4)
+    double of(PriorForm form) const { return form == PriorForm::stored ? stored : products; }
+    double total(PriorForm form, double u) const { return correctly::hypot(bias, u * of(form)); }
+};
+
+/// With M = A'A of all rows, P_N = (M + c^-2 I)^-1, r_j the residuals at theta_N, and of the first j rows M_j, P_j,
+/// K = P_j psi_j, f = P_(j-1) psi_j, e = y_j - psi_j'theta_(j-1):
+///
+///   (1)  theta_N - theta_LS = -c^-2 P_N theta_LS
+///   (2)  s_j = sum_{i<=j} psi_i r_i - c^-2 theta_N,   W_j = P_N M_j,   w_a = |W_j e_a|,   p_j = |P_N psi_j|
+///   (3)  E|delta theta|^2 = (0.425 u)^2 sum_j { sum_a (w_a^2 r_j^2 + p_j^2 s_a^2) q_a^2
+///          + sum_ab w_a^2 s_b^2 (P_j,ab^2 + K_a^2 f_b^2) + sum_a w_a^2 (theta_a^2 + K_a^2 e^2)
+///          + p_j^2 sum_a psi_a^2 theta_a^2 },   q_a^2 = 2 sum_b P_(j-1),ab^2 psi_b^2
+///   (4)  with B = I - K psi': in place of the first two sums sum_a w_a^2 q_a^2 e^2 / s^2 + 2 sum_ab w_a^2 { (sum_i
+///          B_ai^2 P_ib^2) (B's)_b^2 + (sum_i P_j,ai^2 B_bi^2) s_b^2 }
+///
+/// First order in u, each rounding independent (docs/theory.md 105).
+struct PriorLaw {
+    std::vector<PriorPoint> points;  ///< c^2 = powers of 16, ascending, from 1 / tr M to 2^53 / tr M; empty: none
+    double trace = 0;                ///< tr M
+
+    bool empty() const { return points.empty(); }
+    /// By lines between the points, in logarithms; beyond them by the first and the last line.
+    PriorPoint at(double c2) const;
+    /// The point of the least total error of a form with unit roundoff u, for c^2 with u c^2 tr M <= 1: where (3) ends,
+    /// for P is rounding beyond it.
+    PriorPoint best(PriorForm form, double u) const;
+};
+
+/// For lambda = 1 and theta0 = 0, regressor i in units of s_i (powers of two; empty: 1). `least_squares` is the
+/// certified solution without a prior after the last row. Row by row at 257 bits, for at most max(4 d, 4e4 / d^2) rows;
+/// those behind them count as roundings of theta. Empty where there is no answer: theta_LS = 0, not certified, more
+/// than 32 parameters, or squares that leave double's range.
+PriorLaw prior_law(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& s = {});
+
+}  // namespace rlslab::compare

@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+"""What paper.tex takes from the tree and from a run of the studies, as LaTeX:
+
+    tables.py OUT TO   writes TO/recorded.tex, TO/claims.txt (the list of claims whose hash the paper has) and
+                       TO/figures.txt (the figures that it shows); OUT is the folder of the run. ./lab paper calls this
+    tables.py --check [FILE]   what paper.tex, or FILE, names and the tree does not have; needs no run
+
+paper.tex names what it takes:
+    \\source{KEY}{WORDS}                  the entry of docs/literature.md that begins with WORDS
+    \\cell{PAGE}{HEADING}{ROW}{COLUMN}    a number of a table of a page of docs; HEADING/2 is the second under it
+    \\rows{PAGE}{HEADING}{COLUMNS}        the rows of one, of the columns named, ; between them
+    \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
+    \\recorded{STUDY}{N}{WORDS}           the verdicts on a claim in studies/verdicts-full*.json
+    \\plot{NAME}                          a figure of docs or of the run
+and single numbers, as below."""
+import hashlib, json, pathlib, re, sys
+
+here = pathlib.Path(__file__).resolve().parent
+root = here.parent.parent
+checks = sys.argv[1:2] == ["--check"]
+paper = (pathlib.Path(sys.argv[2]) if checks and sys.argv[2:] else here / "paper.tex").read_text()
+faults = []
+
+signs = {"&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
+         "<": "$<$", ">": "$>$", "|": "$|$", "{": r"\{", "}": r"\}", "–": "--", "…": r"\ldots{}", "²": "$^2$",
+         "³": "$^3$", "√": r"$\surd$", "≤": r"$\le$", "≥": r"$\ge$", "±": r"$\pm$", "·": r"$\cdot$", "×": r"$\times$",
+         "κ": r"$\kappa$", "λ": r"$\lambda$", "θ": r"$\theta$", "δ": r"$\delta$", "ψ": r"$\psi$", "σ": r"$\sigma$"}
+
+
+def tex(markdown):
+    """Text of a page: formulas as they stand, code in typewriter letters, signs that LaTeX would read escaped."""
+    out = []
+    for part in re.split(r"(\$[^$]*\$|`[^`]*`)", markdown):
+        if part.startswith("$"):
+            out.append(part)
+        elif part.startswith("`"):
+            out.append(r"\texttt{" + "".join(signs.get(c, c) for c in part[1:-1]).replace(r"\_", r"\_\allowbreak ") +
+            "}")
+        else:
+            part = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", part)
+            out.append("".join(signs.get(c, c) for c in re.sub(r"(?<=\s)-(?=\d)", "$-$", " " + part)[1:]))
+    return "".join(out)
+
+
+def defined(name, text):
+    return "\\expandafter\\def\\csname rls@%s\\endcsname{%s}" % (name, text)
+
+
+def named(command, arguments):
+    """The arguments of a command, wherever paper.tex has it."""
+    one = r"\{([^}]*)\}"
+    text = re.sub(r"(?m)^\\newcommand.*$", "", paper)
+    found = re.findall(r"\\" + command + r"(?:\[[^]]*\])?" + arguments * one, text)
+    return list(dict.fromkeys(tuple(" ".join(a.split()) for a in ((f,) if arguments == 1 else f)) for f in found))
+
+
+def tables_of(page):
+    """The tables of a page: {heading, heading/2: [header, rows ...]}."""
+    out, heading, lines = {}, "", (root / "docs" / (page + ".md")).read_text().split("\n")
+    count, rows = 0, []
+    for line in lines + [""]:
+        if line.startswith("|"):
+            rows.append([cell.strip() for cell in line.strip().strip("|").split("|")])
+            continue
+        if rows:
+            count += 1
+            out[heading + ("/%d" % count if count > 1 else "")] = [rows[0]] + rows[2:]
+            rows = []
+        if line.startswith("#"):
+            heading, count = re.sub(r"<[^>]*>|`", "", line.lstrip("# ")), 0
+    return out
+
+
+def table(page, heading):
+    if not (root / "docs" / (page + ".md")).exists():
+        faults.append("docs/%s.md: not there" % page)
+        return [[""]]
+    out = tables_of(page).get(heading)
+    if out is None:
+        faults.append("docs/%s.md: no table under \"%s\"" % (page, heading))
+    return out or [[""]]
+
+
+def column_of(rows, column, where):
+    """The place of a column, by its heading without the marks of code, or by "column N"."""
+    names = [name.replace("`", "") for name in rows[0]]
+    if re.fullmatch(r"column \d+", column) and int(column[7:]) <= len(names):
+        return int(column[7:]) - 1
+    if column not in names:
+        faults.append("%s: no column \"%s\" among %s" % (where, column, names))
+        return 0
+    return names.index(column)
+
+
+def cells():
+    for page, heading, row, column in named("cell", 4):
+        rows = table(page, heading)
+        at = column_of(rows, column, "docs/%s.md, %s" % (page, heading))
+        found = [r for r in rows[1:] if r[0].replace("`", "") == row]
+        if len(found) != 1:
+            faults.append("docs/%s.md, %s: expected one row \"%s\"" % (page, heading, row))
+        yield defined("@".join(("cell", page, heading, row, column)), tex(found[0][at]) if found else "?")
+
+
+def rows():
+    for page, heading, columns in named("rows", 3):
+        of = table(page, heading)
+        places = [column_of(of, c, "docs/%s.md, %s" % (page, heading)) for c in map(str.strip, columns.split(";"))]
+        text = "".join(" & ".join(tex(r[p]) for p in places) + r"\\" + "\n" for r in of[1:])
+        yield defined("@".join(("rows", page, heading, columns)), text)
+
+
+def costs():
+    """Operations of an update at 10 parameters, counted, and nanoseconds in double; a dash where none were measured."""
+    for command, arguments, page, heading in (
+            ("operations", 1, "compare", "What is compared: variants, operations, arithmetics"),
+            ("nanoseconds", 2, "speed", "What an update takes")):
+        of = table(page, heading)
+        found = {r[0].strip("` *"): dict(zip(of[0], r)) for r in of[1:]}
+        for named_so in named(command, arguments):
+            variant, column = named_so if arguments == 2 else (named_so[0], "d = 10")
+            if command == "operations" and variant not in found:
+                faults.append("docs/compare.md counts no operations of " + variant)
+            text = found.get(variant, {}).get(column, "--")
+            yield defined("@".join((command,) + named_so), tex(text))
+
+
+def machine():
+    machines = json.loads((root / "bench/baseline.json").read_text())["machines"]
+    yield r"\newcommand{\benchmachine}{%s}" % tex("; ".join(machines))
+
+
+def entries():
+    text = (root / "docs/literature.md").read_text()
+    return [re.sub(r"\s+", " ", e).strip() for e in re.split(r"\n- ", text[text.index('<a id="6">'):])[1:]]
+
+
+def grade_of(entry):
+    """As docs/literature.md 0 has it: 0 read, 1 abstract read, 2 not read. What was not read itself is 2, though a
+    program or data of it were."""
+    if re.search(r"[Nn]ot read|(paper|text|report|papers) not", entry):
+        return 2
+    return 1 if re.search(r"[Aa]bstract|first chapter", entry) else 0
+
+
+def sources():
+    """The bibliography: entries of docs/literature.md, what was read of each in italics."""
+    known, counts = entries(), [0, 0, 0]
+    for key, words in named("source", 2):
+        found = [e for e in known if e.startswith(words)]
+        if len(found) != 1:
+            faults.append("docs/literature.md 6: expected one entry that begins with \"%s\", found %d"
+                          % (words, len(found)))
+            continue
+        entry = re.sub(r" \((`[^`]*`(, )?)+\)", "", found[0]).replace(" No DOI known.", "")
+        entry = re.sub(r"(?<=\d)–(?=\d)", "--", entry)
+        counts[grade_of(entry)] += 1
+        link = re.search(r"<(https?://[^>]*)>", entry)
+        if link:
+            entry = entry.replace(link.group(0), "`" + link.group(1) + "`")
+        said = re.search(r"(?<=\. )(?=[^.]*\b(read|Read|Cited)\b)|(?<=\. )(?=Lecture notes)", entry)
+        at = said.start() if said else len(entry)
+        yield defined("source@" + key, tex(entry[:at]) + r"\emph{" + tex(entry[at:]) + "}")
+    for name, n in zip(("read", "abstract", "unread"), counts):
+        yield r"\newcommand{\sources%s}{%d}" % (name, n)
+
+
+def record(name):
+    return json.loads((root / "studies" / (name + ".json")).read_text())
+
+
+def verdicts():
+    full, second = record("verdicts-full"), record("verdicts-full-seed-2")
+    claims = [(study, n, text, verdict) for study in full
+              for n, (text, verdict) in enumerate(full[study].items(), 1)]
+    for suffix, of in (("one", full), ("two", second)):
+        said = [v for study in of.values() for v in study.values()]
+        for verdict in ("holds", "fails", "undecided"):
+            yield r"\newcommand{\%s%s}{%d}" % (verdict, suffix, said.count(verdict))
+    yield r"\newcommand{\recordedclaims}{%d}" % len(claims)
+    yield r"\newcommand{\recordedstudies}{%d}" % len(full)
+    other = [(a, b) for s, _, t, a in claims for b in [second.get(s, {}).get(t)] if b and a != b]
+    yield r"\newcommand{\verdictsdiffer}{%d}" % len(other)
+    yield r"\newcommand{\verdictsturn}{%d}" % sum({a, b} == {"holds", "fails"} for a, b in other)
+    failing = ""
+    for study, n, text, verdict in claims:
+        two = second.get(study, {}).get(text, "not run")
+        yield defined("recorded@%s@%d" % (study, n), verdict if verdict == two else verdict + ", " + two)
+        if verdict == "fails":
+            failing += r"\texttt{%s} %d & %s & %s\\" % (tex(study), n, tex(text), two) + "\n"
+    yield r"\newcommand{\failing}{%s}" % failing
+
+
+def digest(lines):
+    return hashlib.sha256(("\n".join(lines) + "\n").encode()).hexdigest()
+
+
+def survey():
+    used = sum(line.rstrip().endswith(",used") for line in (root / "data/survey/records.csv").open())
+    yield r"\newcommand{\recordsused}{%d}" % used
+    yield r"\newcommand{\recordssurveyed}{%d}" % len(range(0, used, 3))
+
+
+def of_run(out, to):
+    """The run's claims as `rlslab list claims` prints them, their hash, and how many bands were set before."""
+    run = json.loads((out / "verdicts.json").read_text())
+    claims = [(study["name"], n, c) for study in run["studies"] for n, c in enumerate(study["claims"], 1)]
+    lines = ["\t".join((s, str(n), *(c.get(k, "") for k in ("kind", "claim", "band", "data", "proof"))))
+             for s, n, c in claims]
+    (to / "claims.txt").write_text("\n".join(lines) + "\n")
+    yield r"\newcommand{\claimslisted}{%d}" % len(claims)
+    yield r"\newcommand{\claimshash}{%s}" % digest(lines)
+    yield r"\newcommand{\expectederrors}{%s}" % run["expected_errors"]
+    bands = [c["band"] for _, _, c in claims if c["kind"] == "finding"]
+    after, before = sum("after" in b for b in bands), sum("before" in b and "after" not in b for b in bands)
+    yield r"\newcommand{\bandsafter}{%d}" % after
+    yield r"\newcommand{\bandsbefore}{%d}" % before
+    yield r"\newcommand{\bandsformula}{%d}" % (len(bands) - before - after)
+
+
+def figures(out):
+    """Each figure: of the tree, or of the run."""
+    for (name,) in named("plot", 1):
+        ours = root / "docs" / (name + ".svg")
+        yield str(ours if ours.exists() else out / "figures" / (name + ".svg"))
+
+
+def main():
+    if not checks and len(sys.argv) != 3:
+        sys.exit(__doc__)
+    text = [line for part in (cells, rows, costs, machine, sources, verdicts, survey) for line in part()]
+    for fault in dict.fromkeys(faults):
+        print(fault, file=sys.stderr)
+    if faults or checks:
+        sys.exit(1 if faults else 0)
+    out, to = map(pathlib.Path, sys.argv[1:])
+    text += list(of_run(out, to))
+    (to / "recorded.tex").write_text("\n".join(text) + "\n")
+    (to / "figures.txt").write_text("".join(figure + "\n" for figure in figures(out)))
+
+
+if __name__ == "__main__":
+    main()
