@@ -103,7 +103,9 @@ def studies():
             while at > len(field) + 2 and (m := string.match(code, at)):
                 study[field] += m[1] or m[2].replace('\\"', '"').replace("\\\\", "\\")
                 at = m.end()
-        factors = re.search(r"\.factors =(.*?)\.measures", code, re.S)
+        named = re.search(r"\.factors = (\w+),", code)
+        of = rf"std::vector<Factor> {named[1]}\((.*?)\n}}" if named else r"\.factors =(.*?)\.measures"
+        factors = re.search(of, code, re.S)
         study["factors"] = list(dict.fromkeys(re.findall(r'\{"([\w ]+)",(?!\s*")', factors[1]))) if factors else []
         out.append(study)
     return out
