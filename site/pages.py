@@ -104,8 +104,8 @@ def studies():
                 study[field] += m[1] or m[2].replace('\\"', '"').replace("\\\\", "\\")
                 at = m.end()
         named = re.search(r"\.factors = (\w+),", code)
-        of = rf"std::vector<Factor> {named[1]}\((.*?)\n}}" if named else r"\.factors =(.*?)\.measures"
-        factors = re.search(of, code, re.S)
+        factors = (re.search(rf"std::vector<Factor> {named[1]}\((.*?)\n}}", sources[path], re.S) if named else
+                   re.search(r"\.factors =(.*?)\.measures", code, re.S))
         study["factors"] = list(dict.fromkeys(re.findall(r'\{"([\w ]+)",(?!\s*")', factors[1]))) if factors else []
         out.append(study)
     return out
