@@ -18,7 +18,7 @@ here = pathlib.Path(__file__).resolve().parent
 live = root / "build/live/index.html"    # ./lab live
 shows = root / "site/live/page.cpp"      # its list of variants
 ours = [p for kind in ("*.md", "docs/*.md", "docs/decisions/*.md", "examples/**/*.md", "data/*.md")
-        for p in sorted(root.glob(kind))]
+        for p in sorted(root.glob(kind)) if p != root / "docs/README.md"]    # the sidebar has what it lists
 
 
 def sources():
@@ -58,6 +58,8 @@ class Site:
             return link
         path, _, part = link.partition("#")
         whole = os.path.normpath(os.path.join(os.path.dirname(page), path))
+        if whole in ("docs", "docs/README.md"):
+            whole = "index.md"
         found = next((p for p in (whole, f"{whole}/index.md", f"{whole}/README.md") if p in self.texts), None)
         if found:
             made = re.sub(r"\.(md|rst)$", ".html", found)
@@ -85,6 +87,8 @@ class Site:
                             "away, and watch which variant breaks first." if live.exists() else "")
         if name.endswith(".rst"):
             return text
+        text = re.sub(rf"^{re.escape(pages.numbers)}((?:.+\n)+)", lambda m: pages.folded("The numbers", m[1].rstrip()),
+                      text, flags=re.M)
         apart = (r"(^(`{3,})(?!\{|`).*?^\2$|(?<!`)`[^`\n]+`(?!`)|"     # blocks and names of code
                  r"!\[[^\]]*\]\([^)]*\)|\]\(\S*live/index\.html[^)]*\))")    # pictures, what is resolved
         parts = re.split(apart, text, flags=re.M | re.S)

@@ -61,15 +61,25 @@ def times():
     return machine, out
 
 
+numbers = "*The numbers.* "    # begins the paragraph behind an answer in short; build.py folds it
+
+
 def questions():
-    """docs/questions.md by question: (title, anchor, paragraph)."""
-    text = read("docs/questions.md")
-    part = ""
-    for block in re.split(r"\n\n", text):
+    """docs/questions.md by question: (title, anchor, the answer in short or "", the numbers)."""
+    part, found = "", []
+    for block in re.split(r"\n\n", read("docs/questions.md")):
         if block.startswith("## "):
             part = block[3:].lower().replace(" ", "-")
         if m := re.match(r'(?:<a id="[^"]*"></a>)?\*\*(.*?)\*\*(.*)', block, re.S):
-            yield " ".join(m[1].split()), part, " ".join(m[2].split())
+            found.append((" ".join(m[1].split()), part, "", " ".join(m[2].split())))
+        elif found and block.startswith(numbers):
+            title, place, _, short = found.pop()
+            found.append((title, place, short, " ".join(block.removeprefix(numbers).split())))
+    return found
+
+
+def without_intervals(text):
+    return re.sub(r" \[[-\d.e]+, [-\d.e]+\]", "", text)
 
 
 def split_sentences(text):
@@ -93,7 +103,9 @@ def studies():
             while at > len(field) + 2 and (m := string.match(code, at)):
                 study[field] += m[1] or m[2].replace('\\"', '"').replace("\\\\", "\\")
                 at = m.end()
-        factors = re.search(r"\.factors =(.*?)\.measures", code, re.S)
+        named = re.search(r"\.factors = (\w+),", code)
+        factors = (re.search(rf"std::vector<Factor> {named[1]}\((.*?)\n}}", sources[path], re.S) if named else
+                   re.search(r"\.factors =(.*?)\.measures", code, re.S))
         study["factors"] = list(dict.fromkeys(re.findall(r'\{"([\w ]+)",(?!\s*")', factors[1]))) if factors else []
         out.append(study)
     return out
@@ -166,22 +178,36 @@ def death(h):
 
 
 def said(header, of):
-    """What questions.md says of a variant, and the claims that name it: those on its end apart."""
-    answers = [(t, a, hits) for t, a, text in of.questions
+    """What questions.md says of a variant, in short, then folded with its numbers; and the claims that name it: those
+    on its end apart."""
+    answers = [(t, a, short, hits) for t, a, short, text in of.questions
                if (hits := [text] if re.search(header.called, t) else
-                   [s for s in split_sentences(text) if re.search(header.called, s)])]
-    found = [f"- **{t}** {of.links.page(' … '.join(hits))} [→](../docs/questions.md#{a})" for t, a, hits in answers]
+                   [s for s in split_sentences(f"{short} {text}") if re.search(header.called, s)])]
+    found = [f"- **{t}** {of.links.page(short or without_intervals(hits[0]))} [→](../docs/questions.md#{a})"
+             for t, a, short, hits in answers]
+    named = [f"- **{t}** {of.links.page(' … '.join(more))}" for t, _, short, hits in answers
+             if (more := [s for s in hits if s not in short])]
+    if named:
+        found += ["", folded("The numbers behind these answers, where they name it", "\n".join(named))]
     claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"] 
               if re.search(rf"\b{header.name}\b(?!')|{header.called}", c)]
     ends = [c for c in claims if re.search(r"definite|overflow|break|surviv|ends|freez|lose", c[1])]
     return found, [c for c in claims if c not in ends], ends
 
 
+legend = ("A claim puts a number in a *band*. It **holds** where the number's interval over the seeds lies inside the "
+          "band, **fails** where it lies outside, and is **undecided** otherwise. *Full budget*: at least 20 draws of "
+          "the data behind each interval. *Seed 1, seed 2*: two whole runs with other random numbers. A letter and a "
+          "number before a colon (`T3:`) are the claim's own name in the study's source. $u$ is the unit roundoff; "
+          "other letters: [notation](../docs/notation.md), words: [words](../docs/words.md), counts: "
+          "[verdicts](../docs/questions.md#verdicts).\n\n")
+
+
 def claim_table(claims, links):
     """Folded: the claims of studies."""
     rows = [[links.name(f"`{s}`"), links.prose(c).replace("|", "\\|"), f"**{v}**"] for s, c, v in claims]
     title = f"{len(rows)} claims of the studies name it (full budget, seed 1)"
-    return folded(title, table(["study", "claim", "verdict"], rows)) if rows else ""
+    return folded(title, legend + table(["study", "claim", "verdict"], rows)) if rows else ""
 
 
 def cost(header, of, storage):
@@ -268,8 +294,7 @@ def study_page(s, links):
     page += [f"![A figure of the study, as the last report here drew it](figures/{p.name})\n" for p in drawn]
     page += [links.prose(s["interpretation"]) + "\n", f"*Data:* {links.prose(s['data'])}.\n" if s["data"] else "",
              f"*Source of the law:* {links.prose(s['source'])}.\n" if s["source"] else "", "## Verdicts\n",
-             "At the full budget, by the record in `studies/`; what a verdict is: "
-             "[verdicts](../docs/questions.md#verdicts).\n",
+             legend,
              table(["claim", "seed 1", "seed 2"], [[links.prose(c).replace("|", "\\|"), f"**{v}**", w]
                                                    for c, v, w in s["verdicts"]]),
              "## Run it, vary it\n", "```", *(f"rlslab study {s['name']} {words}" for words in runs), "```\n",
@@ -299,7 +324,8 @@ def start_tabs():
     """The same first filter from each language. The tests of the page that a block is of compile or run it."""
     return tabs({"C++": fenced("README.md", "cpp"), "Python": fenced("docs/python.md", "python"),
                  "C": fenced("docs/c.md", "c"),
-                 "Command line": "./lab demo\n./lab run compare mydata.csv --input u --output y --order 4 --detrend\n"})
+                 "Command line": "rlslab compare --example longley\n"
+                 "rlslab compare mydata.csv --input u --output y --order 4 --detrend\n"})
 
 
 def paragraph(path, title):
@@ -308,7 +334,9 @@ def paragraph(path, title):
     m = re.search(rf"\n(?:- |<a id=\"[^\"]*\"></a>)?\*\*{re.escape(title)}\*\*(.*?)(?=\n\n|\n- )", text, re.S)
     if not m:
         raise SystemExit(f"{path}: no paragraph \"{title}\"")
-    return " ".join(m[1].split())
+    rest = text[m.end():].lstrip("\n")
+    rest = rest.split("\n\n")[0].removeprefix(numbers) if rest.startswith(numbers) else ""
+    return " ".join(f"{m[1]} {rest}".split())
 
 
 def behind(path, title, links):
@@ -320,8 +348,14 @@ def behind(path, title, links):
 
 
 def choice(of):
-    """What the form of which.md knows of each variant: from the README's table, the bench, and the claims of the study
-    choose that hold, "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
+    """What the form of which.md knows of each variant: from the README's table, the bench (nanoseconds by word and
+    size), docs/embedded.md (instructions of -O2 by board, word and size), and the claims of the study choose that hold,
+    "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
+    boards = {}
+    for kind, word, d, m3, m4, m7 in re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \| (\d+) \| \d+ \| (\d+) \| \d+ "
+                                                r"\| (\d+) \| \d+ \|$", read("docs/embedded.md"), re.M):
+        for board, count in (("m3", m3), ("m4f", m4), ("m7", m7)):
+            boards.setdefault(kind, {}).setdefault(board, {}).setdefault(word, {})[d] = int(count)
     law = r"(.*): (?:(\d) )?log2 kappa \+ c with c from (\d+) to (\d+)"
     laws = [(int(m[2] or 1), m[1], [int(m[3]), int(m[4])])
             for claim, verdict, _ in next(s for s in of.studies if s["name"] == "choose")["verdicts"]
@@ -336,8 +370,10 @@ def choice(of):
                                                                         who == "factor forms")), None),
             "asymmetric": "Antisymmetric" in h.prose or "antisymmetric part of a rounding error grows" in h.prose,
             "later": f"`{h.name}` *" in speed,
-            "ns": {d: round(of.times[h.name, "double", d]) for d in sizes if (h.name, "double", d) in of.times}})
-    return json.dumps(rows).replace("</", "<\\/")
+            "cost": boards.get(h.type, {}) | {"x86": {
+                word: {d: round(of.times[h.name, word, d]) for d in sizes if (h.name, word, d) in of.times}
+                for word in ("float", "double")}}})
+    return json.dumps({"machine": of.machine, "variants": rows}).replace("</", "<\\/")
 
 
 def filled(path, given, links):

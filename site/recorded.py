@@ -18,12 +18,12 @@ whole = " ".join(typed)
 xmlns = "http:" "//www.w3.org/2000/svg"    # a name, which nobody asks for
 step, top, left, glyph = 17, 52, 16, 7.25    # of a line, in pixels, and of a letter
 style = """.t{font:12px ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace;fill:#d7dae0;white-space:pre}
-.p{fill:#8fd19e}.b{fill:#fff;font-weight:600}.l{animation:show .01s both}@keyframes show{from{opacity:0}}
-@keyframes type{from{width:0}}@media(prefers-reduced-motion:reduce){.l,#typed{animation:none!important}}"""
+.p{fill:#8fd19e}.b{fill:#fff;font-weight:600}.l{animation:show 3s 4s}@keyframes show{0%,99.9%{opacity:0}}
+@keyframes type{from{width:0}}@media(prefers-reduced-motion:reduce),print{.l,#typed{animation:none!important}}"""
 
 
 def drawn(lines):
-    """Lines of a terminal as a picture: the command is typed, then its answer appears line by line."""
+    """Lines of a terminal as a picture: all of it for 4 s; then the command is typed, and its answer appears."""
     width = max(len(line) for line in lines) * glyph + 2 * left
     height = top + step * (len(lines) + 1)
     size = f'{width:.0f} {height}" width="{width:.0f}" height="{height}"'
@@ -33,14 +33,14 @@ def drawn(lines):
            *(f'<circle cx="{x}" cy="18" r="5" fill="{colour}"/>'
              for x, colour in ((18, "#ff6058"), (36, "#ffbd2e"), (54, "#28c940"))),
            f'<clipPath id="c"><rect id="typed" x="0" y="0" width="{width:.0f}" height="{top + step + 6}"'
-           f' style="animation:type 1.6s steps({len(lines[0])}) both"/></clipPath>',
+           f' style="animation:type 1.6s steps({len(lines[0])}) 4s"/></clipPath>',
            f'<text class="t" clip-path="url(#c)" x="{left}" y="{top}"><tspan class="p">$</tspan> '
            f"{html.escape(lines[0][2:])}</text>",
            f'<text class="t" clip-path="url(#c)" x="{left}" y="{top + step}">{html.escape(lines[1])}</text>']
     for i, line in enumerate(lines[2:], 2):
         kind = "t l b" if line.startswith(("in float", "* ")) else "t l"
-        out.append(f'<text class="{kind}" style="animation-delay:{1.8 + .03 * i:.2f}s" x="{left}" y="{top + step * i}">'
-                   f"{html.escape(line)}</text>" if line else "")
+        out.append(f'<text class="{kind}" style="animation-duration:{1.8 + .03 * i:.2f}s" x="{left}" '
+                   f'y="{top + step * i}">{html.escape(line)}</text>' if line else "")
     return "\n".join(line for line in [*out, "</svg>"] if line) + "\n"
 
 

@@ -10,7 +10,7 @@ for (const event of ["DOMContentLoaded", "load", "resize", "click", "toggle"])
 document.addEventListener("DOMContentLoaded", () => {
   const place = document.getElementById("picker"), data = document.getElementById("picker-data");
   if (!place || !data) return;
-  const variants = JSON.parse(data.textContent);
+  const { machine, variants } = JSON.parse(data.textContent);
   const options = list => list.map(([value, text]) => `<option value="${value}">${text}</option>`).join("");
   const choice = (name, label, list) =>
     `<label>${label} <select id="pick-${name}">${options(list)}</select></label>`;
@@ -21,7 +21,8 @@ document.addEventListener("DOMContentLoaded", () => {
       [8, "bfloat16, 8 bits"]]) +
     choice("lambda", "Forgetting", [["none", "none"], ["some", "some"]]) +
     choice("prior", "Prior", [["some", "there is one"], ["none", "none at all"]]) +
-    choice("where", "Where", [["dense", "C++, C, Python, microcontroller"], ["sparse", "C++, sparse rows"]]) +
+    choice("where", "Where", [["x86", "C++, C, Python on x86-64"], ["m3", "Cortex-M3"], ["m4f", "Cortex-M4F"],
+      ["m7", "Cortex-M7"], ["sparse", "C++, sparse rows"]]) +
     `<div class="answer" aria-live="polite"></div>`;
   const value = name => document.getElementById(`pick-${name}`).value;
   // [rank, words]: 0 enough bits, 1 near the limit, 2 not known, 3 no
@@ -38,19 +39,32 @@ document.addEventListener("DOMContentLoaded", () => {
     return bits < most ? [1, `near its limit, ${least} to ${most} bits`] : [0, `needs at most ${most} bits`];
   }
   function answer() {
-    const d = Math.max(1, Number(value("d")) || 1), sizes = Object.keys(variants[0].ns).map(Number);
-    const far = size => Math.abs(Math.log(size / d)), size = sizes.reduce((a, b) => far(b) < far(a) ? b : a);
+    const d = Math.max(1, Number(value("d")) || 1), board = value("where").startsWith("m");
+    const word = { 53: "double", 24: "float" }[value("word")];
+    // [what an update costs on this platform in this word, at the measured size that is nearest to d]
+    function cost(v) {
+      const sizes = v.cost[value("where")]?.[word] ?? {}, far = size => Math.abs(Math.log(size / d));
+      const size = Object.keys(sizes).reduce((a, b) => a === undefined || far(b) < far(a) ? b : a, undefined);
+      return size === undefined ? [] : [sizes[size], size];
+    }
     const doublings = Math.log2(Math.max(1, Number(value("kappa")) || 1));
-    const rows = variants.map(v => [...verdict(v, Number(value("word")), doublings), v.ns[size], v])
+    const rows = variants.map(v => [...verdict(v, Number(value("word")), doublings), cost(v)[0], v])
       .sort((a, b) => a[0] - b[0] || (a[2] ?? 1e9) - (b[2] ?? 1e9));
+    const shown = v => `${cost(v)[0]}${v.later ? "*" : ""}${cost(v)[1] == d ? "" : ` (d = ${cost(v)[1]})`}`;
     const count = rank => rows.filter(r => r[0] === rank).length;
+    const unit = !word ? "No times were measured in this word" : (board ?
+      `Instructions of an update in ${word}, at -O2 (<a href="docs/embedded.html#what-it-costs">measured</a>)` :
+      `Nanoseconds of an update in ${word} on ${machine}`) + ", at the measured number of parameters nearest to yours";
     place.querySelector(".answer").innerHTML = `<p>${count(0)} variants keep three digits of theta and P and
       ${count(1)} may, by the law of
       <a href="studies/choose.html">the study choose</a> (4 parameters, P0 = κ² I, graded rows, κ of 256 and more).
-      Time: nanoseconds in double at ${size} parameters; *: without theta.</p><table class="docutils"><thead><tr>
-      <th>variant</th><th>ns</th><th>verdict</th></tr></thead><tbody>` + rows.map(([rank, words, ns, v]) =>
+      ${unit}; *: without theta; –: not measured.</p>
+      <table class="docutils"><thead><tr>
+      <th>variant</th><th>${board ? "instructions" : "ns"}</th><th>verdict</th></tr></thead><tbody>` +
+      rows.map(([rank, words, spent, v]) =>
       `<tr class="${rank === 3 ? "no" : ""}"><td><a href="variants/${v.name}.html"><code>${v.name}</code></a></td>
-      <td>${ns === undefined ? "–" : ns + (v.later ? "*" : "")}</td><td>${rank === 3 ? "no: " : ""}${words}</td>
+      <td class="cost">${spent === undefined ? "–" : shown(v)}</td>
+      <td>${rank === 3 ? "no: " : ""}${words}</td>
       </tr>`).join("") + "</tbody></table>";
   }
   place.addEventListener("input", answer);

@@ -183,7 +183,7 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
 \psi \to D\psi &:\ |\delta P_N| \to D^{-1}|\delta P_N|D^{-1} \end{aligned})tex",
     .interpretation =
         "Four bands failed. With graded units the slope of joseph is up to 1.2, not 4/(d - 1): the parameters found so "
-        "far share the variances of those not yet found, and their correlation reaches kappa. With one small unit it "
+        "far share the variances of those not yet found, and the bound has slope 2 - 2/(d - 1). With one small unit it "
         "is 1.0 to 2.0. The bound is 33 to 2300 times the median error. In the basis of the first rows the slope is "
         "0.6 to 1.0, below the band at 480 rows. What held: the bound is that of entries, and goes with the units as P "
         "itself does, so that scaling by powers of two changes no bit; what costs Joseph's products their digits is "

@@ -1,8 +1,13 @@
-# Takes the first C++ block out of the README into OUT, so that it is compiled as it stands.
+# Takes a C++ block out of a page, the first or that of number BLOCK, into OUT, so that it is compiled as it stands.
 file(READ ${README} text)
-string(FIND "${text}" "```cpp\n" start)
-string(SUBSTRING "${text}" ${start} -1 text)
-string(SUBSTRING "${text}" 7 -1 text)
+if(NOT BLOCK)
+  set(BLOCK 1)
+endif()
+foreach(k RANGE 1 ${BLOCK})
+  string(FIND "${text}" "```cpp\n" start)
+  string(SUBSTRING "${text}" ${start} -1 text)
+  string(SUBSTRING "${text}" 7 -1 text)
+endforeach()
 string(FIND "${text}" "\n```" end)
 string(SUBSTRING "${text}" 0 ${end} text)
 file(WRITE ${OUT} "${text}\n")

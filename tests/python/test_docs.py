@@ -1,4 +1,4 @@
-"""The examples of docstrings and of docs/python.md are what they print."""
+"""The examples of docstrings, of docs/python.md and of docs/first_record.md are what they print."""
 
 import doctest
 import inspect
@@ -12,7 +12,8 @@ import pytest
 import rlslab
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/python.md").read_text()
+PAGES = {name: (ROOT / "docs" / name).read_text() for name in ("python.md", "first_record.md")}
+PAGE = PAGES["python.md"]
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 
 
@@ -67,12 +68,16 @@ def test_the_examples_of_the_estimator(examples):
     assert run(inspect.getdoc(RLSRegressor), "RLSRegressor", examples) == 4
 
 
-def test_the_page(examples, tmp_path):
-    """The blocks of python, one after another, as the reader types them."""
+@pytest.mark.parametrize("page", PAGES)
+def test_the_page(page, examples, tmp_path):
+    """The blocks of python, one after another, as the reader types them; after python.md's, which others refer to."""
     (tmp_path / "data").symlink_to(ROOT / "data")
-    blocks = re.findall(r"```python\n(.*?)```\n", PAGE, re.S)
+    blocks = re.findall(r"```python\n(.*?)```\n", PAGES[page], re.S)
     assert len(blocks) > 5
     names = {}
+    if page != "python.md":
+        blocks.insert(0, next(b for b in re.findall(r"```python\n(.*?)```\n", PAGE, re.S) if "def how_sure" in b))
+        names = dict(examples)
     for block in blocks:
         if "sklearn" in block:
             pytest.importorskip("sklearn")

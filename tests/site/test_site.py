@@ -1,5 +1,6 @@
 """What the documentation site is made of, without Sphinx: formulas, links among the sources, numbers of the first
 pages. With the name of the program as last word: also what is recorded of it."""
+import json
 import pathlib
 import re
 import subprocess
@@ -126,6 +127,26 @@ class Sources(unittest.TestCase):
             item = answer.split("\n- ")[-1]
             for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", item):
                 self.assertRegex(behind, rf"(?<![\d.]){re.escape(number)}(?!\d)", f"{title}: {item}")
+
+    def test_numbers_of_an_answer_in_short_are_behind_it(self):
+        shorts = [(title, short, text) for title, _, short, text in pages.questions() if short]
+        self.assertGreaterEqual(len(shorts), 11)
+        for title, short, text in shorts:
+            said = re.sub(r"\]\(.*?\)|\(\d\)|1/2|2d", "", short)
+            for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", said):
+                with self.subTest(title, number=number):
+                    self.assertRegex(text, rf"(?<![\d.]){re.escape(number)}(?!\d)")
+        page = self.site.page("docs/questions.md")
+        self.assertNotIn(pages.numbers, page)
+        self.assertEqual(page.count("<summary>The numbers</summary>"), len(shorts) + 1)    # and those of all
+
+    def test_the_form_knows_what_was_measured_on_boards(self):
+        known = {v["name"]: v["cost"] for v in json.loads(pages.choice(pages.Shared()))["variants"]}
+        rows = re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \|(.*)\|$", pages.read("docs/embedded.md"), re.M)
+        self.assertGreater(len(rows), 5)
+        for kind, word, d, cells in rows:
+            counts = [int(c) for c in cells.split("|")][::2]
+            self.assertEqual([known[kind.lower()][b][word][d] for b in ("m3", "m4f", "m7")], counts)
 
     def test_a_dead_link_and_a_request_are_found(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -113,6 +113,14 @@ Ends sweep_with_any_error(int cases) {
                 kept[j] = S(j, j) = abs(any(-11, 3));
                 for (Index i = 0; i < j; ++i) S(i, j) = any(-4, 3);
             }
+        } else {
+            auto& L = std::get<5>(ExtendedQr<T>::state(filter));  // R', and then W'
+            auto& S = std::get<6>(ExtendedQr<T>::state(filter));
+            for (Index j = 0; j < d; ++j) {
+                L(j, j) = abs(any(-11, 6)), S(j, j) = abs(any(-11, 5));
+                kept[j] = T(std::min(1.0, double(S(j, j))) * double(L(j, j)) / 4);  // c_j has R_jj too
+                for (Index i = 0; i < j; ++i) L(j, i) = any(-4, 3), S(i, j) = any(-4, 3);
+            }
         }
         for (T& x : psi) x = any(-6, 5);
         Step<T> const step = filter.update(psi, T(1), [&](std::span<T> v, T const&) {
@@ -124,6 +132,10 @@ Ends sweep_with_any_error(int cases) {
             double const now = double(F::name == "ud" ? stored.D[j] : stored.F(j, j));
             finite = finite && std::isfinite(now);
             positive = positive && now > 0;
+            if constexpr (F::name == "extended_qr") {
+                double const R = double(std::get<5>(F::state(filter))(j, j));
+                finite = finite && std::isfinite(R), positive = positive && R > 0;
+            }
             if (double(kept[j]) < 0x1p10 * least_number) reached = true;  // s < 2^9
             out.zero += now == 0;
         }
@@ -136,9 +148,10 @@ Ends sweep_with_any_error(int cases) {
 TEST(Theorems, SweepsStayDefiniteUnderAnyErrorShortOfUnderflow) {
     auto const in = []<class T>() {
         Ends const ud = sweep_with_any_error<Ud<T>>(20000), carlson = sweep_with_any_error<Carlson<T>>(20000),
-                   rotations = sweep_with_any_error<InverseQr<T>>(20000);
-        for (Ends const& ends : {ud, carlson, rotations}) EXPECT_GT(ends.definite, 1000);
-        EXPECT_GT(ud.zero, 0) << "the clause is needed";
+                   rotations = sweep_with_any_error<InverseQr<T>>(20000),
+                   both = sweep_with_any_error<ExtendedQr<T>>(20000);
+        for (Ends const& ends : {ud, carlson, rotations, both}) EXPECT_GT(ends.definite, 1000);
+        for (Ends const& ends : {ud, both}) EXPECT_GT(ends.zero, 0) << "the clause is needed";
     };
     in.template operator()<Tiny<Rounding::nearest>>();
     in.template operator()<Tiny<Rounding::toward_zero>>();
@@ -152,6 +165,16 @@ TEST(Theorems, WithoutTheClauseADiagonalUnderflows) {
     psi[0] = T(0x1.8p8);  // s = 1 + 72
     filter.update(psi, T(1));
     EXPECT_EQ(double(filter.stored().D[0]), 0);
+}
+/// In extended_qr no product with W and no quotient is rounded here: sqrt(lambda) R_11 is, to 0.
+TEST(Theorems, WithoutTheClauseARootOfLambdaTimesRUnderflows) {
+    using T = Tiny<Rounding::toward_zero>;
+    ExtendedQr<T> filter(Problem<T>{.size = 1, .forgetting = T(0.8125), .prior = Prior<T>{.variance = T(1)}});
+    std::get<5>(ExtendedQr<T>::state(filter))(0, 0) = T(least_number);
+    Vector<T> psi(1);
+    psi[0] = T(1);
+    filter.update(psi, T(1));
+    EXPECT_EQ(double(filter.stored().F(0, 0)), 0);
 }
 /// Errors that a sweep shrugs off make an end of what subtracts.
 TEST(Theorems, WhatSubtractsIsNotDefiniteUnderAnyError) {
@@ -171,7 +194,7 @@ TEST(Theorems, WhatSubtractsIsNotDefiniteUnderAnyError) {
 // --- 117 -------------------------------------------------------------------------------------------------------------
 
 template <int p>
-void examine_roots(double& of_law, double& of_two_u) {
+void examine_roots(double& of_law, double& of_two_u, double& without_division) {
     using T = Chopped<Format{p, -100, 100}>;
     double const u = std::ldexp(1, -p);
     for (double lambda = 0.25; lambda < 1; lambda += lambda < 0.5 ? u / 2 : u) {
@@ -185,24 +208,26 @@ void examine_roots(double& of_law, double& of_two_u) {
         EXPECT_LE(divided, (half * half) / (rest * rest) - 1 + 1e-14) << lambda;
         of_law = std::max(of_law, off / law);
         of_two_u = std::max(of_two_u, off / (2 * u + u * u));
+        without_division = std::max(without_division, divided / law);
     }
 }
 TEST(Theorems, TheRoundedRootOfLambdaIsOffByLessThanTwoU) {
-    double of_law = 0, of_two_u = 0;
-    examine_roots<4>(of_law, of_two_u);
-    examine_roots<8>(of_law, of_two_u);
-    examine_roots<11>(of_law, of_two_u);
+    double of_law = 0, of_two_u = 0, without_division = 0;
+    examine_roots<4>(of_law, of_two_u, without_division);
+    examine_roots<8>(of_law, of_two_u, without_division);
+    examine_roots<11>(of_law, of_two_u, without_division);
+    EXPECT_GT(without_division, 1) << "what is applied is (1 + c)^-2";
     EXPECT_GT(of_law, 0.9);
     EXPECT_GT(of_two_u, 0.9);
 }
-/// P = (1 - l)/psi^2 and l'/l in front: the fixed points with l' for l, exactly.
+/// P = (1 - l)/psi^2 and l''/l in front: the fixed points with l'' for l, exactly.
 TEST(Theorems, TheBiasOfPInTheSteadyStateIsExact) {
     for (int n = 1; n < 20; ++n) {
         Rational const lambda = Rational(90 + n) / 110, eps = Rational(n % 2 ? n : -n) / 5000,
                        rounded = lambda * (1 + eps), psi2 = Rational(n) / 3;
         Rational const ideal = (1 - lambda) / psi2, first = (1 - rounded) / psi2,
                        second = lambda * (1 - rounded) / (rounded * psi2);
-        EXPECT_EQ(first / (rounded + psi2 * first), first);                       // inverse_qr: l' throughout
+        EXPECT_EQ(first / (rounded + psi2 * first), first);                       // inverse_qr: l'' throughout
         EXPECT_EQ(lambda / rounded * second / (lambda + psi2 * second), second);  // potter, carlson: in the division
         EXPECT_EQ(first / ideal - 1, -lambda * eps / (1 - lambda));
         EXPECT_EQ(second / ideal - 1, -eps / ((1 - lambda) * (1 + eps)));
