@@ -4,14 +4,17 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/carlson_delta.hpp>
 #include <rlslab/variants/conventional_two_sided.hpp>
 #include <rlslab/variants/inverse_qr.hpp>
+#include <rlslab/variants/inverse_qr_delta.hpp>
 #include <rlslab/variants/extended_qr.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
 #include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 
 #include <rlslab/studies/rationals.hpp>
 #include "tests/variants/gain_laws.hpp"
@@ -100,15 +103,15 @@ Ends sweep_with_any_error(int cases) {
     for (int n = 0; n < cases; ++n) {
         F filter(Problem<T>{.size = d, .forgetting = T(n % 2 ? 1 : 0.8125), .prior = Prior<T>{.variance = T(1)}});
         Vector<T> psi(d), kept(d);
-        if constexpr (F::name == "ud") {
+        if constexpr (F::name == "ud" || F::name == "ud_delta") {
             auto const state = F::state(filter);
             for (Index j = 0; j < d; ++j) {
                 kept[j] = std::get<3>(state)[j] = abs(any(-11, 4));
                 for (Index i = 0; i < j; ++i) std::get<5>(state)(i, j) = any(-4, 3);
             }
-        } else if constexpr (F::name == "carlson" || F::name == "inverse_qr") {
+        } else if constexpr (F::name != "extended_qr") {
             auto const state = F::state(filter);
-            auto& S = std::get < F::name == "carlson" ? 4 : 3 > (state);
+            auto& S = std::get < F::name == "inverse_qr" ? 3 : 4 > (state);
             for (Index j = 0; j < d; ++j) {
                 kept[j] = S(j, j) = abs(any(-11, 3));
                 for (Index i = 0; i < j; ++i) S(i, j) = any(-4, 3);
@@ -129,7 +132,7 @@ Ends sweep_with_any_error(int cases) {
         Stored<T> const stored = filter.stored();
         bool finite = true, positive = true, reached = false;
         for (Index j = 0; j < d; ++j) {
-            double const now = double(F::name == "ud" ? stored.D[j] : stored.F(j, j));
+            double const now = double(F::name.starts_with("ud") ? stored.D[j] : stored.F(j, j));
             finite = finite && std::isfinite(now);
             positive = positive && now > 0;
             if constexpr (F::name == "extended_qr") {
@@ -152,6 +155,9 @@ TEST(Theorems, SweepsStayDefiniteUnderAnyErrorShortOfUnderflow) {
                    both = sweep_with_any_error<ExtendedQr<T>>(20000);
         for (Ends const& ends : {ud, carlson, rotations, both}) EXPECT_GT(ends.definite, 1000);
         for (Ends const& ends : {ud, both}) EXPECT_GT(ends.zero, 0) << "the clause is needed";
+        for (Ends const& ends : {sweep_with_any_error<UdDelta<T>>(20000), sweep_with_any_error<CarlsonDelta<T>>(20000),
+                                 sweep_with_any_error<InverseQrDelta<T>>(20000)})
+            EXPECT_GT(ends.definite, 1000);  // the paper's sentence on the difference forms
     };
     in.template operator()<Tiny<Rounding::nearest>>();
     in.template operator()<Tiny<Rounding::toward_zero>>();
