@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <pty.h>
+#include <stdexcept>
 #include <string>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
@@ -20,6 +21,7 @@ inline Screen on_a_terminal(std::string const& command, std::function<std::strin
     winsize size{.ws_row = 24, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
     int terminal = -1;
     pid_t const child = forkpty(&terminal, nullptr, nullptr, &size);
+    if (child < 0) throw std::runtime_error("this machine gives no pseudo-terminal: is /dev/pts mounted?");
     if (child == 0) {
         setenv("TERM", "xterm", 1);
         unsetenv("NO_COLOR");
