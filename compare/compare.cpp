@@ -232,6 +232,7 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
                    .results = {},
                    .recommendations = {}};
     out.model.regressors = out.names;
+    out.without_prior = given.without;
     double const noise = needs_noise_variance(options.composition) ? noise_variance(records, given.without) : 0;
     out.options.composition = completed(options.composition, given.problem, noise);
     return out;

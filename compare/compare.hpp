@@ -8,6 +8,7 @@
 
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
+#include <rlslab/reference/certified.hpp>
 
 #include <array>
 #include <cmath>
@@ -158,8 +159,9 @@ struct Comparison {
     std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
-    std::vector<PriorCost> prior_costs = {};  ///< where somebody computed them: prior_costs.hpp
-    std::vector<FastResult> fast = {};        ///< empty unless the regressors are a delay line, and with a composition
+    std::optional<CertifiedSolution> without_prior = {};  ///< of all rows, as stored in double
+    std::vector<PriorCost> prior_costs = {};              ///< where somebody computed them: prior_costs.hpp
+    std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
     std::shared_ptr<struct DigitsAnswer const> digits =
         {};  ///< with options.digits: what keeps them; it then is the answer that is shown
     std::optional<report::Provenance> run = {};  ///< with it JSON, CSV and page say which run they are from

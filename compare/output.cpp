@@ -1,4 +1,5 @@
 // A comparison as a table for people, as JSON and CSV for programs.
+// Longer than 400 lines: three writings of the same numbers.
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"

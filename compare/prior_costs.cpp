@@ -22,9 +22,7 @@ double digits_of_error(double error) { return std::max(0.0, -correctly::log10(er
 
 std::vector<PriorCost> prior_costs(Records const& records, Comparison const& c) {
     if (!c.options.composition.empty() || c.options.forgetting != 1) return {};
-    Problem<double> const free{.size = records.parameters(), .prior = std::nullopt};
-    PriorLaw const law = prior_law(records, certified(free, records, {records.rows()}).front(),
-                                   c.scaled_prior ? c.scaled_prior->s : Vector<double>());
+    PriorLaw const law = prior_law(records, *c.without_prior, c.scaled_prior ? c.scaled_prior->s : Vector<double>());
     if (law.empty()) return {};
     double const given = c.scaled_prior ? c.scaled_prior->c * c.scaled_prior->c : *c.options.p0;
     std::vector<PriorCost> out;

@@ -12,6 +12,7 @@ inline constexpr double least_prior_loss = 0.5;
 /// `symmetric` (for all that update P by a difference), then `joseph`; predicted by prior_law.hpp. Empty with a
 /// composition, with lambda < 1, and where there is no law. Costs O(d^2) operations in 257 bits for each of at most
 /// max(4 d, 4e4 / d^2) rows and 14 priors: up to a second.
+/// `comparison` is what compare returned for these records.
 std::vector<PriorCost> prior_costs(Records const& records, Comparison const& comparison);
 
 /// The sentence on --p0; "" where it is scaled to the data, or costs less than half a digit everywhere.

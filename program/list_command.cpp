@@ -111,7 +111,7 @@ std::string claims_text(Json& out) {
     for (Study const* study : studies::studies())
         for (size_t i = 0; i < study->claims.size(); ++i) {
             Claim const& claim = study->claims[i];
-            std::string const& data = claim.basis.data.empty() ? study->data : claim.basis.data;
+            std::string const& data = data_of(*study, claim);
             text += fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\n", study->name, i + 1, name_of(claim.basis.kind),
                                 claim.text, claim.basis.band, data, claim.basis.proof);
             out["claims"].push_back({{"study", study->name},

@@ -197,9 +197,9 @@ def said(header, of):
 
 legend = ("A claim puts a number in a *band*. It **holds** where the number's interval over the seeds lies inside the "
           "band, **fails** where it lies outside, and is **undecided** otherwise. *Full budget*: at least 20 draws of "
-          "the data behind each interval. *Seed 1, seed 2*: two whole runs with other random numbers. A letter and a "
-          "number before a colon (`T3:`) are the claim's own name in the study's source. $u$ is the unit roundoff; "
-          "other letters: [notation](../docs/notation.md), words: [words](../docs/words.md), counts: "
+          "the data behind each interval (`winner_map`: 11). *Seed 1, seed 2*: runs with other random numbers. A "
+          "letter and a number before a colon (`T3:`) are the claim's own name in the study's source. $u$ is the unit "
+          "roundoff; other letters: [notation](../docs/notation.md), words: [words](../docs/words.md), counts: "
           "[verdicts](../docs/questions.md#verdicts).\n\n")
 
 

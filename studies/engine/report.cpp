@@ -28,7 +28,7 @@ std::string beginning(Table const& table) {
 /// With its kind, where its band is from, and the data. The class colours it.
 std::string claim_html(Study const& study, size_t i, Judgement const& judgement, bool named) {
     Claim const& claim = study.claims[i];
-    std::string const& data = claim.basis.data.empty() ? study.data : claim.basis.data;
+    std::string const& data = data_of(study, claim);
     std::string out = fmt::format("<li class=\"{0}\"><b>{0}</b> ", name_of(judgement.verdict));
     if (named) out += fmt::format("<a href=\"#{0}\">{0}</a>: ", study.name);
     out += fmt::format("{}<span class=\"measured\">{}</span>", escaped(claim.text), escaped(judgement.measured));

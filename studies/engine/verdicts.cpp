@@ -23,6 +23,9 @@ std::string_view name_of(Verdict verdict) {
     constexpr std::array<std::string_view, 3> names{"fails", "undecided", "holds"};
     return names[size_t(verdict)];
 }
+std::string const& data_of(Study const& study, Claim const& claim) {
+    return claim.basis.data.empty() ? study.data : claim.basis.data;
+}
 
 namespace {
 
@@ -97,7 +100,7 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
             claims.push_back({{"claim", claim.text},
                               {"kind", name_of(claim.basis.kind)},
                               {"band", claim.basis.band},
-                              {"data", claim.basis.data.empty() ? outcome.study->data : claim.basis.data},
+                              {"data", data_of(*outcome.study, claim)},
                               {"proof", claim.basis.proof},
                               {"verdict", name_of(outcome.judgements[i].verdict)},
                               {"measured", outcome.judgements[i].measured}});

@@ -11,6 +11,8 @@ namespace rlslab::studies {
 
 std::string_view name_of(Kind kind);        ///< "verification" ...
 std::string_view name_of(Verdict verdict);  ///< "holds" ...
+/// The claim's own, or the study's.
+std::string const& data_of(Study const& study, Claim const& claim);
 
 struct Count {
     size_t holds = 0, fails = 0, undecided = 0;

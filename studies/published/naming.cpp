@@ -23,9 +23,7 @@ std::vector<std::string> nameable() {
 }  // namespace
 
 std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders) {
-    Problem<double> const without{
-        .size = records.parameters(), .forgetting = problem.forgetting, .prior = std::nullopt};
-    if (certified(without, records, {records.rows()}).front().status() == Status::singular) return {};
+    if (!determine_theta(records, problem.forgetting)) return {};
     return compare::compare(records, {.forgetting = problem.forgetting,
                                       .p0 = problem.p0,
                                       .variants = nameable(),
@@ -51,6 +49,19 @@ double Losses::of(std::string const& variant) const {
     return INFINITY;
 }
 
-double tenths(double digits) { return std::round(10 * digits) / 10 + 0.0; }
+bool determine_theta(Records const& records, double forgetting) {
+    Problem<double> const without{.size = records.parameters(), .forgetting = forgetting, .prior = std::nullopt};
+    return certified(without, records, {records.rows()}).front().status() != Status::singular;
+}
+
+Statistic share(std::string column, bool (*holds)(double), std::string const& over, Estimate estimate) {
+    return Statistic(
+               [=](Table const& t) {
+                   std::vector<double> const x = t.numbers(column);
+                   return double(std::ranges::count_if(x, holds)) / double(x.size());
+               },
+               estimate)
+        .over(over);
+}
 
 }  // namespace rlslab::studies::naming

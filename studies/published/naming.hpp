@@ -4,6 +4,8 @@
 #include "compare/recommend.hpp"
 #include "studies/published/drawn_problem.hpp"
 
+#include <rlslab/studies/judgements.hpp>
+
 #include <cmath>
 
 namespace rlslab::studies::naming {
@@ -26,7 +28,14 @@ struct Losses {
     double of(std::string const& variant) const;
 };
 
-/// Tenths of a digit, without the rounding of a difference.
-double tenths(double digits);
+/// Whether the rows, so forgotten, determine theta: compare refuses those that do not.
+bool determine_theta(Records const& records, double forgetting);
+
+/// In parts of a digit, without the rounding of a difference.
+inline double in_parts(double digits, int of_a_digit) { return std::round(of_a_digit * digits) / of_a_digit + 0.0; }
+
+/// Of the rows, the share for which it holds; estimated over the values of a factor.
+Statistic share(std::string column, bool (*holds)(double), std::string const& over,
+                Estimate estimate = Estimate::share);
 
 }  // namespace rlslab::studies::naming

@@ -94,7 +94,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 // --- claims ----------------------------------------------------------------------------------------------------------
 
 /// Means of four tenths are fortieths.
-bool is_half_a_digit(double loss) { return std::round(40 * loss) / 40 <= 0.5; }
+bool is_half_a_digit(double loss) { return in_parts(loss, 40) <= 0.5; }
 
 Statistic hits(double by, double judge) {
     return Statistic(

@@ -1,6 +1,6 @@
 // What `rlslab compare` shows of real records: which form keeps how many digits, which breaks down, and whether the one
 // that compare names is within half a digit of the best.
-#include "compare/recommend.hpp"
+#include "studies/published/naming.hpp"
 #include "studies/published/survey_data.hpp"
 
 #include <rlslab/studies/judgements.hpp>
@@ -34,9 +34,7 @@ std::optional<Comparison> compared(Records const& records, Trial const& trial) {
                            .timings = false};
     if (Cell const& prior = trial.value("prior"); std::holds_alternative<double>(prior))
         options.p0 = std::get<double>(prior);
-    Problem<double> const problem{
-        .size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
-    if (certified(problem, records, {records.rows()}).front().status() == Status::singular) return {};
+    if (!naming::determine_theta(records, options.forgetting)) return {};
     return compare::compare(records, options);
 }
 
@@ -74,22 +72,16 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-/// Of these rows, the share for which it holds; estimated over the records.
-Statistic share(std::string column, bool (*holds)(double), Estimate estimate = Estimate::share) {
-    return Statistic(
-               [=](Table const& t) {
-                   std::vector<double> const x = t.numbers(column);
-                   return double(std::ranges::count_if(x, holds)) / double(x.size());
-               },
-               estimate)
-        .over("record");
-}
 bool is_positive(double x) { return x > 0; }
 /// Losses are tenths and their medians twentieths: without the rounding of differences, forms that tie differ by 0.
-double in_twentieths(double x) { return std::round(20 * x) / 20 + 0.0; }
+double in_twentieths(double x) { return naming::in_parts(x, 20); }
 bool is_half_a_digit(double x) { return in_twentieths(x) <= 0.5; }
 bool is_a_digit(double x) { return in_twentieths(x) <= 1; }
-Statistic const breaks_down = share("broken", is_positive), hits = share("loss", is_half_a_digit);
+/// The share of rows for which it holds, over the records.
+Statistic of_records(char const* column, bool (*holds)(double), Estimate estimate = Estimate::share) {
+    return naming::share(column, holds, "record", estimate);
+}
+Statistic const breaks_down = of_records("broken", is_positive), hits = of_records("loss", is_half_a_digit);
 
 Table in(Table const& t, std::vector<std::string> const& some_words) { return t.where("word", some_words); }
 Table proposed(Table const& t) { return t.where("prior", "proposed"); }
@@ -253,7 +245,7 @@ Study const survey{
             {"what compare names loses at most half a digit in at least 95 % of these records' cells",
              [](Table const& t) {
                  return within(in(t, long_words).where("named", 1.0), {"word"},
-                               share("loss", is_half_a_digit, Estimate::fixed), 0.95, 1);
+                               of_records("loss", is_half_a_digit, Estimate::fixed), 0.95, 1);
              },
              own_result("the survey's goal; set before the run")},
             {"named by the first half: at most half a digit in at least 70 % of cells of the whole",
@@ -264,13 +256,13 @@ Study const survey{
             {"and at most one digit in at least 90 % of these records' cells",
              [](Table const& t) {
                  return within(in(t, long_words).where("named_by_half", 1.0), {"word"},
-                               share("loss", is_a_digit, Estimate::fixed), 0.9, 1);
+                               of_records("loss", is_a_digit, Estimate::fixed), 0.9, 1);
              },
              own_result("set before the run")},
             {"and it breaks down in at most 2 % of them",
              [](Table const& t) {
                  return within(in(t, long_words).where("named_by_half", 1.0), {"word"},
-                               share("broken", is_positive, Estimate::fixed), 0, 0.02);
+                               of_records("broken", is_positive, Estimate::fixed), 0, 0.02);
              },
              own_result("set before the run")},
             {"where the first half names a form, it is within half a digit not less often than ud always: by -3 to "
