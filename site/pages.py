@@ -347,10 +347,20 @@ def behind(path, title, links):
     return folded(f"The numbers behind it: {title}", f"{text} [→]({path})")
 
 
+def lost_on_the_map():
+    """studies/maps/losses.csv as the form of which.md reads it: {regime: {basis: {prior: {kappa: cell}}}}, exponents
+    of 1/u; a cell is "5.12,4.20,5.03,0.10,...": digits of the best, then losses in the order of the forms."""
+    forms, *cells = [line.split(",") for line in read("studies/maps/losses.csv").splitlines() if line[0] != "#"]
+    table = {}
+    for regime, basis, prior, kappa, *lost in cells:
+        table.setdefault(regime, {}).setdefault(basis, {}).setdefault(prior, {})[kappa] = ",".join(lost)
+    return {"forms": forms[7:], "lost": table}
+
+
 def choice(of):
-    """What the form of which.md knows of each variant: from the README's table, the bench (nanoseconds by word and
-    size), docs/embedded.md (instructions of -O2 by board, word and size), and the claims of the study choose that hold,
-    "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
+    """What the form of which.md knows: the map of winners, and of each variant its line in the README's table, the
+    bench (nanoseconds by word and size), docs/embedded.md (instructions of -O2 by board, word and size), and the claims
+    of the study choose that hold, "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
     boards = {}
     for kind, word, d, m3, m4, m7 in re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \| (\d+) \| \d+ \| (\d+) \| \d+ "
                                                 r"\| (\d+) \| \d+ \|$", read("docs/embedded.md"), re.M):
@@ -373,7 +383,7 @@ def choice(of):
             "cost": boards.get(h.type, {}) | {"x86": {
                 word: {d: round(of.times[h.name, word, d]) for d in sizes if (h.name, word, d) in of.times}
                 for word in ("float", "double")}}})
-    return json.dumps({"machine": of.machine, "variants": rows}).replace("</", "<\\/")
+    return json.dumps({"machine": of.machine, "variants": rows, "map": lost_on_the_map()}).replace("</", "<\\/")
 
 
 def filled(path, given, links):

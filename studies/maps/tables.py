@@ -1,5 +1,9 @@
 #!/usr/bin/env python3
-"""The tables of docs/map.md from a table of the study winner_map: tables.py out/winner_map.csv"""
+"""The tables of docs/map.md from a table of the study winner_map: tables.py out/winner_map.csv
+
+tables.py out/winner_map.csv --losses studies/maps/losses.csv
+    writes the digits that each form loses in each cell of the base: the site's "Which variant?" reads them
+"""
 import csv
 import statistics
 import sys
@@ -35,8 +39,8 @@ def loss(form, kept, forms):
     return max(0.0, *(b - own for b, own in zip(best, kept[form])))
 
 
-def text(x):
-    return "lost" if x == LOST else f"{x:.1f}"
+def text(x, places=1):
+    return "lost" if x == LOST else f"{x:.{places}f}"
 
 
 def losses_by_form(table, forms):
@@ -102,10 +106,26 @@ def digits_in(everything, factor, value):
             print(f"{factor} {value}, {at['basis']}, κ = u^-0.5: " + ", ".join(f"{f} {x}" for f, x in of.items()))
 
 
+def write_losses(base, forms, path):
+    """One row a cell: what the best of each measure keeps, then what each form loses."""
+    where = [f for f in FACTORS if f not in BASE]
+    with open(path, "w", encoding="utf-8") as file:
+        print("# cells of docs/map.md: most digits kept of theta, of its worst component and of P; then, for each form,\n"
+              "# the largest of what it lacks in the three, or lost: indefinite in more than half of the 11 runs;\n"
+              "# medians; by studies/maps/tables.py", file=file)
+        print(",".join(where + ["theta", "worst", "P"] + forms), file=file)
+        for at, kept in base:
+            best = [max(kept[f][m] for f in forms if kept[f]) for m in range(3)]
+            digits = best + [loss(f, kept, forms) for f in forms]
+            print(",".join([at[f] for f in where] + [text(x, 2) for x in digits]), file=file)
+
+
 def main():
     everything = list(cells(sys.argv[1]))
     base = [(at, kept) for at, kept in everything if all(at[f] == v for f, v in BASE.items())]
     forms = list(base[0][1])
+    if sys.argv[2:3] == ["--losses"]:
+        return write_losses(base, forms, sys.argv[3])
     plain = [f for f in forms if not f.endswith("_delta")]
     print(f"Base: {len(base)} cells of {len(everything)}. Losses to the best of {len(forms)}.\n")
     losses_by_form(base, forms)

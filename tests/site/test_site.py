@@ -128,6 +128,19 @@ class Sources(unittest.TestCase):
             for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", item):
                 self.assertRegex(behind, rf"(?<![\d.]){re.escape(number)}(?!\d)", f"{title}: {item}")
 
+    def test_the_form_knows_the_map_that_the_tables_are_of(self):
+        known = pages.lost_on_the_map()
+        lost = [cell.split(",")[3:] for bases in known["lost"].values() for priors in bases.values()
+                for kappas in priors.values() for cell in kappas.values()]
+        text = (root / "docs/map.md").read_text()
+        rows = re.findall(r"^\| `(\w+)` \| (\d+) \| (\d+) \| (\d+) \| ([\d.]+) \(", text, re.M)
+        self.assertEqual([r[0] for r in rows], known["forms"])
+        for form, *shares, largest in rows:
+            of = [float("inf") if x == "lost" else float(x) for x in (c[known["forms"].index(form)] for c in lost)]
+            for share, least in zip(shares, (float("inf"), 0.5, 1)):    # rounded twice: one may differ
+                self.assertAlmostEqual(100 * sum(x >= least for x in of) / len(of), int(share), delta=1, msg=form)
+            self.assertAlmostEqual(max(x for x in of if x < float("inf")), float(largest), delta=0.056, msg=form)
+
     def test_numbers_of_an_answer_in_short_are_behind_it(self):
         shorts = [(title, short, text) for title, _, short, text in pages.questions() if short]
         self.assertGreaterEqual(len(shorts), 11)
