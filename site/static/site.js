@@ -84,8 +84,8 @@ document.addEventListener("DOMContentLoaded", () => {
       `Instructions of an update in ${word}, at -O2 (<a href="docs/embedded.html#what-it-costs">measured</a>)` :
       `Nanoseconds of an update in ${word} on ${machine}`) + ", at the measured number of parameters nearest to yours";
     const found = here ? `The nearest cell of <a href="docs/map.html">the map of winners</a> (4 parameters):
-      ${here.place}. There the best form keeps ${here.best[0]} digits of theta, ${here.best[1]} of its worst component and
-      ${here.best[2]} of P.
+      ${here.place}. There the best form keeps ${here.best[0]} digits of theta, ${here.best[1]} of its worst
+      component and ${here.best[2]} of P.
       ${count(0)} forms lose half a digit at most in any of the three.` :
       `${count(0)} variants keep three digits of theta and P and ${count(1)} may, by the law of
       <a href="studies/choose.html">the study choose</a> (4 parameters, P0 = κ² I, graded rows, κ of 256 and more).`;
