@@ -13,7 +13,7 @@ function inLines(mark, next, list) {
 }
 const listed = list => list.map((word, i) => word + (i + 1 < list.length ? "," : ""));
 /** f: variant, d, bits, exponents (bits; 10: double's), rounding, lambda, prior (of P0, scaled), names of the
- *  regressors (null: rows are made), scales, output, guard. */
+ *  regressors (null: rows are made), scales, output, guard (null, or its name and constant). */
 function programOf(language, f) {
   const d = f.d, scaled = f.scales.some(s => s !== 1), p0 = f.scales.map(s => f.prior / (s * s));
   const list = f.names ? ["a row:", ...listed(f.names), `and y = ${f.output}`]
@@ -30,7 +30,7 @@ import rlslab
 
 ${precision}${inLines("#", "#   ", list)}
 f = rlslab.filter("${f.variant}", ${d}, forgetting=${f.lambda}, ` +
-      `${scaled ? "prior_covariance" : "prior_variance"}=${prior}, dtype="${type}"${f.guard ? ', guard="reset"' : ""})
+      `${scaled ? "prior_covariance" : "prior_variance"}=${prior}, dtype="${type}"${f.guard ? `, guard="${f.guard.name}"` : ""})
 steps = f.update_many(Psi, y, steps=True)   ` +
       `# Psi: a row for each y, ${d} columns
 print(f.theta)
@@ -54,7 +54,7 @@ using T = ${type};
 int main() {
 ${scope}    rlslab::Problem<T> problem{.size = ${d}, .forgetting = T(${f.lambda})};
 ${covariance}
-    ${f.guard ? `rlslab::Guarded<${name}, rlslab::resetting>` : name} filter(problem);
+    ${f.guard ? `rlslab::Guarded<${name}, rlslab::${f.guard.constant}>` : name} filter(problem);
 
 ${inLines("    //", "    //   ", list)}
     rlslab::Vector<T> psi = rlslab::Vector<T>::Zero(${d});

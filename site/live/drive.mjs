@@ -42,7 +42,7 @@ async function evaluate(expression) {
   return result.value;
 }
 const pause = ms => new Promise(done => setTimeout(done, ms));
-async function until(expression, seconds = 30) {
+async function until(expression, seconds = 120) {    // much, for a busy machine
   for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(20))
     if (await evaluate(expression)) return;
   throw new Error(`not within ${seconds} s: ${expression}`);
@@ -54,9 +54,9 @@ function check(holds, what) {
   if (!holds) faults.push(what);
 }
 
-async function open(hash = "") {
+async function open(hash = "", page = "index.html") {
   await send("Page.navigate", { url: "about:blank" });
-  await send("Page.navigate", { url: pathToFileURL(path.join(folder, "index.html")).href + hash });
+  await send("Page.navigate", { url: pathToFileURL(path.join(folder, page)).href + hash });
   await until("document.body && document.body.dataset.ready === 'yes'");
   await done();
 }
@@ -103,22 +103,36 @@ async function links() {
   await open();
   check(await evaluate("svg(1)") === fs.readFileSync("docs/live.svg", "utf8"),
     "docs/live.svg is not what the page draws: ./lab live --pictures leaves it in build/live");
-  await open("#bits=12&lambda=0.95&variants=ud%2Cqr&variant=ud&outlier=1&bogus=9&rows=1e9&noise=x");
+  await open("#bits=12&lambda=0.95&variants=ud%2Cqr&variant=ud&outlier=1&bogus=9&rows=1e9&noise=x&guard=2");
   check(await evaluate(`page.values.bits === 12 && page.values.lambda === 0.95 && page.values.outlier === 1 &&
+    page.values.guard === 2 && byId("set-guard").selectedOptions[0].text === "rebuild" &&
     page.values.rows === 2000 && page.values.noise === 0.1 && [...page.chosen].join() === "ud,qr" &&
     page.focus === "ud"`), "a link with settings");
   const link = await evaluate("link()"), before = await evaluate("shown.summaries.map(s => hashOf(s))");
   await open(link);
   check(JSON.stringify(await evaluate("shown.summaries.map(s => hashOf(s))")) === JSON.stringify(before),
     "a copied link opens the same page");
-  check(await evaluate("!document.querySelector('#table a')"), "alone, the page leads nowhere");
-  await evaluate("document.documentElement.dataset.variants = '../variants/'; tabulate()");
-  check(await evaluate("document.querySelector('#table a').getAttribute('href')") === "../variants/ud.html",
-    "on a site, a variant leads to its page");
+  check(/guard=2/.test(link), `the guard in a link: ${link}`);
+  check(await evaluate("!document.querySelector('#table a') && byId('home').hidden"), "alone, the page leads nowhere");
   check((await evaluate("csv()")).split("\n").length === 2002, "the numbers as CSV");
   check(/^<svg [\s\S]*<path [\s\S]*<\/svg>\n$/.test(await evaluate("svg()")) &&
     await evaluate(`!new DOMParser().parseFromString(svg(), "image/svg+xml").querySelector("parsererror")`),
     "the picture as SVG");
+}
+/** As site/build.py has it, in a folder: what leads to other pages does. */
+async function site() {
+  const to = path.join(folder, "site"), places = { "live/index.html": "", "variants/ud.html": "ud", "index.html": "first" };
+  for (const [name, title] of Object.entries(places)) {
+    fs.mkdirSync(path.dirname(path.join(to, name)), { recursive: true });
+    fs.writeFileSync(path.join(to, name), title ? `<title>${title}</title>` :
+      fs.readFileSync(path.join(folder, "index.html"), "utf8").replace('data-variants=""', 'data-variants="../variants/"'));
+  }
+  for (const [link, title] of [["#home", "first"], ["#table a[href$='/ud.html']", "ud"]]) {
+    await open("#variants=ud", "site/live/index.html");
+    await evaluate(`document.querySelector("${link}").click()`);
+    await until("document.readyState === 'complete' && document.title !== '' && !document.title.startsWith('rlslab')");
+    check(await evaluate("document.title") === title, `on a site, ${link} leads to ${await evaluate("location.href")}`);
+  }
 }
 async function records() {
   for (const r of facts.records) {
@@ -156,11 +170,15 @@ async function files() {
   check((await drop("y\n" + "1\n2\n4\n3\n".repeat(9))).startsWith("36 rows of 1 parameter"), "a file of one column");
   await drop("u,y\n" + Array.from({ length: 50 }, (_, k) => `${k % 7},${k % 5}`).join("\n"));
   // What is to be pasted: C++ that compiles, Python that parses.
-  for (const [bits, guard, rounding] of [[24, 0, 0], [53, 1, 0], [11, 1, 2]]) {
+  for (const [bits, guard, rounding] of [[24, 0, 0], [53, 1, 0], [11, 2, 2]]) {
     await evaluate(`Object.assign(page.values, { bits: ${bits}, guard: ${guard}, rounding: ${rounding} })`);
     const cpp = path.join(folder, `code_${bits}.cpp`), python = path.join(folder, `code_${bits}.py`);
     fs.writeFileSync(cpp, await evaluate(`program("cpp")`));
     fs.writeFileSync(python, await evaluate(`program("python")`));
+    const policy = [null, "reset", "rebuild"][guard], named = [`rlslab::${policy === "reset" ? "resetting"
+      : "rebuilding"}>`, `guard="${policy}"`];
+    for (const [i, file] of [cpp, python].entries())
+      check(fs.readFileSync(file, "utf8").includes(named[i]) === (guard > 0), `${file}: guard ${policy}`);
     for (const words of [["g++", "-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-fsyntax-only", "-isystem",
                           "/usr/include/eigen3", "-I", "src", cpp],
                          ["python3", "-c", "import ast, sys; ast.parse(open(sys.argv[1]).read())", python]]) {
@@ -175,7 +193,7 @@ async function frames() {
   await until("meter.last !== null", 25);
   const { frames, rows, seconds } = await evaluate("meter.last");
   await evaluate("play(false)");
-  console.log(`d = 6, nine variants: ${frames.toFixed(1)} frames and ${rows.toFixed(0)} rows a second over ` +
+  console.log(`d = 6, ${await evaluate("variants.length")} variants: ${frames.toFixed(1)} frames and ${rows.toFixed(0)} rows a second over ` +
     `${seconds.toFixed(1)} s: ${(rows / frames).toFixed(0)} rows a frame`);
 }
 async function pictures() {
@@ -205,6 +223,7 @@ try {
     await hashes();
     await controls();
     await links();
+    await site();
     await records();
     await files();
     await frames();

@@ -188,7 +188,10 @@ Json hashes() {
     add({{"units", 1}, {"condition", 6}, {"bits", 20}});
     add({{"gain_error", -10}, {"bits", 30}});
     add({{"outlier", 1}, {"silent", 1}, {"change", 1}, {"lambda", 0.95}});
-    add({{"outlier", 1}, {"silent", 1}, {"change", 1}, {"lambda", 0.95}, {"guard", 1}});
+    for (int guard = 1; guard <= live_guards(); ++guard) {
+        add({{"outlier", 1}, {"silent", 1}, {"change", 1}, {"lambda", 0.95}, {"guard", guard}});
+        add({{"gain_error", -10}, {"guard", guard}});
+    }
     return out;
 }
 

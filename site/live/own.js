@@ -225,7 +225,7 @@ async function copied(button, content) {
 function program(language) {
   const { values: v } = effective(), d = page.model ? page.model.d : v.parameters;
   return programOf(language, { variant: byId("code-variant").value, bits: v.bits, exponents: v.exponents,
-    rounding: v.rounding, lambda: v.lambda, prior: 2 ** v.prior, guard: v.guard !== 0,
+    rounding: v.rounding, lambda: v.lambda, prior: 2 ** v.prior, guard: v.guard > 0 ? guards[v.guard - 1] : null,
     names: page.model ? page.model.names : null, d,
     scales: page.model ? page.model.scales.slice(0, d) : new Array(d).fill(1),
     output: page.model ? page.output : "y" });
@@ -237,7 +237,11 @@ function showCode() {
 // --- begin ----------------------------------------------------------------------------------------------------------
 
 async function begin(ready) {
-  ({ settings, variants, parametersMost } = ready);
+  ({ settings, guards, variants, parametersMost } = ready);
+  words.guard[2].push(...guards.map(g => g.name));
+  const folder = document.documentElement.dataset.variants, home = byId("home");
+  home.hidden = !folder;
+  home.href = `${folder}../index.html`;
   settings.filter(s => words[s.name]).forEach(control);
   for (const { name } of variants) {
     const box = document.createElement("label");

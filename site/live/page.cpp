@@ -14,6 +14,7 @@
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 
 #include <optional>
 
@@ -22,14 +23,14 @@ namespace {
 
 using T = VariablePrecision;
 /// THE list of the page's variants.
-using Shown = TypeList<Conventional<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>, Potter<T>, Ud<T>, InverseQr<T>,
-                       Information<T>, Qr<T>>;
-constexpr int variants = 9, most_at_once = 128, in_measure = 1 + (variants + 1) * (1 + most_parameters);
+using Shown = TypeList<Conventional<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>, Potter<T>, Ud<T>, UdDelta<T>,
+                       InverseQr<T>, Information<T>, Qr<T>>;
+constexpr int variants = Shown::size, most_at_once = 128, in_measure = 1 + (variants + 1) * (1 + most_parameters);
 
 struct Entry {
     char const* name;
     bool gain_error_applies;
-    std::unique_ptr<Running> (*run)(Problem<T> const&, double gain_error, bool guarded, Seed);
+    std::unique_ptr<Running> (*run)(Problem<T> const&, double gain_error, int guard, Seed);
 };
 Entry const* entries() {
     static std::array<Entry, variants> const all = [] {
@@ -93,7 +94,7 @@ struct Page {
             running[size_t(v)].reset();
             if (chosen >> v & 1)
                 running[size_t(v)] = entries()[v].run(problem.mapped<T>([](double x) { return T(x); }),
-                                                      gain_error_of(now), now.guard != 0, Seed{7});
+                                                      gain_error_of(now), int(now.guard), Seed{7});
         }
         taken = 0;
         measures.clear();
@@ -184,6 +185,11 @@ char const* live_setting_name(int i) { return rlslab::live::settings[i].name; }
 double const* live_setting_range(int i) { return &rlslab::live::settings[i].least; }
 int live_variants() { return rlslab::live::variants; }
 char const* live_variant_name(int v) { return rlslab::live::entries()[v].name; }
+int live_guards() { return int(std::size(rlslab::live::guards)); }
+char const* live_guard_text(int i, int what) {
+    rlslab::NamedPolicy const& guard = rlslab::live::guards[i];
+    return (what == 0 ? guard.name : what == 1 ? guard.constant : guard.what).data();
+}
 int live_gain_error_applies(int v) { return rlslab::live::entries()[v].gain_error_applies; }
 
 char* live_text(int n) {

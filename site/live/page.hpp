@@ -11,10 +11,13 @@
 #endif
 
 extern "C" {
-/// The lists of settings and variants. setting_range: least, most, step, start.
+/// The lists of settings, guards and variants. setting_range: least, most, step, start.
 RLSLAB_LIVE(settings) int live_settings();
 RLSLAB_LIVE(setting_name) char const* live_setting_name(int i);
 RLSLAB_LIVE(setting_range) double const* live_setting_range(int i);
+RLSLAB_LIVE(guards) int live_guards();
+/// Of a guard its name on the command line, its constant in C++, or what it does, for 0, 1, 2.
+RLSLAB_LIVE(guard_text) char const* live_guard_text(int i, int what);
 RLSLAB_LIVE(variants) int live_variants();
 RLSLAB_LIVE(variant_name) char const* live_variant_name(int v);
 RLSLAB_LIVE(gain_error_applies) int live_gain_error_applies(int v);

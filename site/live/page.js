@@ -13,7 +13,7 @@ const words = {
   lambda: ["filter", "Forgetting λ", v => v.toFixed(3)],
   prior: ["filter", "P at the start", v => v === 0 ? "1" : `2^${v}`],
   gain_error: ["filter", "Error in the gain", v => v === -41 ? "none" : `2^${v}`],
-  guard: ["filter", "A guard around each (policy reset)"],
+  guard: ["filter", "A guard around each", ["none"]],    // and those of the library
   parameters: ["data", "Parameters", String],
   rows: ["data", "Rows", String],
   condition: ["data", "Condition number", v => `10^${v.toFixed(1)}`],
@@ -28,8 +28,8 @@ const words = {
 const ofMadeRows = ["parameters", "rows", "condition", "units", "noise", "seed"];
 const looks = {    // a family has a colour, a variant a dash
   conventional: ["conventional", []], symmetric: ["symmetric", []], joseph: ["joseph", []],
-  joseph_rank_two: ["joseph", [5, 3]], potter: ["root", []], ud: ["ud", []], inverse_qr: ["ud", [7, 3]],
-  information: ["normal", []], qr: ["qr", []],
+  joseph_rank_two: ["joseph", [5, 3]], potter: ["root", []], ud: ["ud", []], ud_delta: ["ud", [2, 2]],
+  inverse_qr: ["ud", [7, 3]], information: ["normal", []], qr: ["qr", []],
 };
 const stories = {
   "conventional in 16 bits": {}, "in double": { bits: 53 },
@@ -40,7 +40,7 @@ const stories = {
   "everything, with a guard": { bits: 24, outlier: 1, silent: 1, change: 1, guard: 1, lambda: 0.95 },
 };
 
-let settings, variants, parametersMost;
+let settings, guards, variants, parametersMost;
 const page = { values: {}, chosen: new Set(), focus: "", record: "", model: null, columns: null };
 const worker = new Worker(URL.createObjectURL(new Blob([byId("worker").textContent], { type: "text/javascript" })));
 const waiting = new Map();
@@ -297,6 +297,10 @@ function describe() {
   const stored = run.stored, notes = [...run.sent.notes];
   if (stored.forgetting !== run.sent.values.lambda && Math.abs(stored.forgetting - run.sent.values.lambda) > 5e-4)
     notes.push(`λ is stored as ${Number(stored.forgetting.toPrecision(6))}`);
+  if (run.sent.values.guard > 0) {
+    const { name, what } = guards[run.sent.values.guard - 1];
+    notes.push(`guard ${name}: ${what}`);
+  }
   if (run.sent.values.gain_error > -41 && variants.some(v => page.chosen.has(v.name) && !v.gainErrorApplies))
     notes.push("information and qr use no gain to update: no error there");
   const broken = variants.filter((v, i) => page.chosen.has(v.name) && s[i][3] > 0).map(v =>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "site/live/measures.hpp"
+#include "site/live/settings.hpp"
 
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
@@ -99,14 +100,22 @@ public:
     }
 };
 
-/// A running V; with the guard around it where `guarded`.
+/// A running V; with a guard around it as settings.hpp numbers them, 0: none.
 template <class V>
-std::unique_ptr<Running> run(Problem<typename V::scalar> const& problem, double gain_error, bool guarded, Seed seed) {
+std::unique_ptr<Running> run(Problem<typename V::scalar> const& problem, double gain_error, int guard, Seed seed) {
     using F = Erring<V>;
     StochasticStream const stream(seed);  // a filter computes when it is made, too
     F const filter = erring<V>(problem, gain_error);
-    if (!guarded) return std::make_unique<RunningFilter<F>>(filter, seed);
-    return std::make_unique<RunningFilter<Guarded<F, resetting>>>(Guarded<F, resetting>(filter, problem), seed);
+    std::unique_ptr<Running> out;
+    if (guard == 0) out = std::make_unique<RunningFilter<F>>(filter, seed);
+    auto const within = [&]<size_t i>(std::integral_constant<size_t, i>) {
+        using G = Guarded<F, guards[i].policy>;
+        if (guard == int(i) + 1) out = std::make_unique<RunningFilter<G>>(G(filter, problem), seed);
+    };
+    [&]<size_t... i>(std::index_sequence<i...>) {
+        (within(std::integral_constant<size_t, i>{}), ...);
+    }(std::make_index_sequence<std::size(guards)>{});
+    return out;
 }
 
 }  // namespace rlslab::live

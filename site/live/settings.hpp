@@ -1,17 +1,23 @@
 // What can be set on the page: THE list. The page makes its controls, its links and its worker's messages from it.
 #pragma once
 
+#include <rlslab/adapt/guard_policy.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
+
+#include <iterator>
 
 namespace rlslab::live {
 
 struct Settings {
-    double bits, exponents, rounding;    ///< exponents: bits of the exponent, or doubles_exponents for double's
-    double parameters, rows, condition;  ///< condition: its log10
-    double units, forgetting, prior;     ///< units: the condition comes from units; prior: log2 of P0's variance
-    double noise, gain_error, seed;      ///< gain_error: its log2; least: none
-    double outlier, silent, change, guard, table;  ///< switches; table: rows of the table, not made ones
+    double bits, exponents, rounding;       ///< exponents: bits of the exponent, or doubles_exponents for double's
+    double parameters, rows, condition;     ///< condition: its log10
+    double units, forgetting, prior;        ///< units: the condition comes from units; prior: log2 of P0's variance
+    double noise, gain_error, seed;         ///< gain_error: its log2; least: none
+    double outlier, silent, change, table;  ///< switches; table: rows of the table, not made ones
+    double guard;                           ///< 0: none; i: guards[i - 1]
 };
+/// The policies that can be set; each skips outliers, as the reference does then.
+inline constexpr NamedPolicy guards[] = {*find_policy("reset"), *find_policy("rebuild")};
 struct Setting {
     char const* name;
     double Settings::*number;
@@ -34,7 +40,7 @@ inline constexpr Setting settings[] = {
     {"outlier", &Settings::outlier, 0, 1, 1, 0},
     {"silent", &Settings::silent, 0, 1, 1, 0},
     {"change", &Settings::change, 0, 1, 1, 0},
-    {"guard", &Settings::guard, 0, 1, 1, 0},
+    {"guard", &Settings::guard, 0, std::size(guards), 1, 0},
     {"table", &Settings::table, 0, 1, 1, 0},
 };
 constexpr Settings starting_settings() {

@@ -22,6 +22,8 @@ async function begin(packed) {
       const [least, most, step, start] = doubles(x.setting_range(i), 4);
       return { name: text(x.setting_name(i)), least, most, step, start };
     }),
+    guards: list(x.guards(), i => ({ name: text(x.guard_text(i, 0)), constant: text(x.guard_text(i, 1)),
+                                     what: text(x.guard_text(i, 2)) })),
     variants: list(x.variants(), v => ({ name: text(x.variant_name(v)),
                                          gainErrorApplies: x.gain_error_applies(v) !== 0 })),
     parametersMost: x.parameters_most(),
