@@ -4,44 +4,61 @@
 recorded.py PROGRAM          writes them
 recorded.py PROGRAM --check  says which of them differ
 """
+import fcntl
 import html
+import os
 import pathlib
+import pty
 import re
-import shlex
+import struct
 import subprocess
 import sys
+import termios
 
 root = pathlib.Path(__file__).resolve().parent.parent
-typed = ["compare data/sales.csv --input lead --output sales --order 2 --detrend --arithmetic float",
-         "--variants conventional,joseph,ud,gentleman --no-timings"]
-whole = " ".join(typed)
+whole = "compare --example sales --arithmetic float --no-timings --variants conventional,joseph,ud,ud_delta"
 xmlns = "http:" "//www.w3.org/2000/svg"    # a name, which nobody asks for
 step, top, left, glyph = 17, 52, 16, 7.25    # of a line, in pixels, and of a letter
-style = """.t{font:12px ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace;fill:#d7dae0;white-space:pre}
-.p{fill:#8fd19e}.b{fill:#fff;font-weight:600}.l{animation:show 3s 4s}@keyframes show{0%,99.9%{opacity:0}}
-@keyframes type{from{width:0}}@media(prefers-reduced-motion:reduce),print{.l,#typed{animation:none!important}}"""
+wide, narrow, rows = 98, 52, 42    # columns, and rows that are seen
+telephone = 560    # pixels: a picture that is drawn in fewer is the narrow one
+style = f""".t{{font:12px ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace;fill:#d7dae0;white-space:pre}}
+.p{{fill:#8fd19e}}.b{{fill:#fff;font-weight:600}}.l{{animation:show 3s 4s}}@keyframes show{{0%,99.9%{{opacity:0}}}}
+.y{{animation:type 1.6s steps(100) 4s}}@keyframes type{{from{{width:0}}}}
+@media(prefers-reduced-motion:reduce),print{{.l,.y{{animation:none!important}}}}
+#n{{display:none}}@media(max-width:{telephone}px){{#w{{display:none}}#n{{display:inline}}}}"""
 
 
-def drawn(lines):
-    """Lines of a terminal as a picture: all of it for 4 s; then the command is typed, and its answer appears."""
-    width = max(len(line) for line in lines) * glyph + 2 * left
-    height = top + step * (len(lines) + 1)
-    size = f'{width:.0f} {height}" width="{width:.0f}" height="{height}"'
-    out = [f'<svg xmlns="{xmlns}" viewBox="0 0 {size} role="img">',
-           f"<title>rlslab {html.escape(whole)}</title>", f"<style>{style}</style>",
-           f'<rect width="{width:.0f}" height="{height}" rx="8" fill="#1d212b"/>',
-           *(f'<circle cx="{x}" cy="18" r="5" fill="{colour}"/>'
-             for x, colour in ((18, "#ff6058"), (36, "#ffbd2e"), (54, "#28c940"))),
-           f'<clipPath id="c"><rect id="typed" x="0" y="0" width="{width:.0f}" height="{top + step + 6}"'
-           f' style="animation:type 1.6s steps({len(lines[0])}) 4s"/></clipPath>',
-           f'<text class="t" clip-path="url(#c)" x="{left}" y="{top}"><tspan class="p">$</tspan> '
-           f"{html.escape(lines[0][2:])}</text>",
-           f'<text class="t" clip-path="url(#c)" x="{left}" y="{top + step}">{html.escape(lines[1])}</text>']
-    for i, line in enumerate(lines[2:], 2):
-        kind = "t l b" if line.startswith(("in float", "* ")) else "t l"
-        out.append(f'<text class="{kind}" style="animation-duration:{1.8 + .03 * i:.2f}s" x="{left}" '
-                   f'y="{top + step * i}">{html.escape(line)}</text>' if line else "")
-    return "\n".join(line for line in [*out, "</svg>"] if line) + "\n"
+def pixels(columns):
+    return columns * glyph + 2 * left
+
+
+def drawn(name, command, lines, columns):
+    """Lines of a terminal: all of them for 4 s; then the command is typed, and its answer appears."""
+    shown, n = [*command, *lines], len(command)
+    out = [f'<clipPath id="c{name}"><rect class="y" width="{pixels(columns):.0f}" height="{top + step * n - 11}"/>'
+           "</clipPath>"]
+    best, within = False, False    # the answer may be of several lines
+    for i, line in enumerate(shown):
+        best = (best and line != "") or line.startswith("in float")
+        within = within or best
+        kind = "t" if i < n else "t l b" if best or line.startswith("* ") else "t l"
+        after = f' clip-path="url(#c{name})"' if i < n else f' style="animation-duration:{1.8 + .03 * i:.2f}s"'
+        text = html.escape(line).replace("$ ", '<tspan class="p">$</tspan> ', i == 0)
+        out.append(f'<text class="{kind}"{after} x="{left}" y="{top + step * i}">{text}</text>' if line else "")
+    if best or not within or max(map(len, shown)) > columns:
+        raise SystemExit(f"terminal.svg: in {columns} columns the answer is not whole")
+    return f'<g id="{name}">' + "\n".join(line for line in out if line) + "</g>"
+
+
+def folded(columns):
+    """The command as one types it in so many columns."""
+    lines = ["$ rlslab"]
+    for words in re.findall(r"(?:-\S+|compare) ?[^-]*", whole):
+        if len(lines[-1]) + len(words) + 3 > columns:
+            lines[-1] += " \\"
+            lines.append("     ")
+        lines[-1] += " " + words.strip()
+    return lines
 
 
 def said(program, *words):
@@ -49,10 +66,39 @@ def said(program, *words):
     return run.stdout.rstrip("\n")
 
 
+def answer(program, columns):
+    """What the command prints on a terminal of so many columns, without colours."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+    plain = os.environ | {"NO_COLOR": "1"}
+    with subprocess.Popen([program, *whole.split()], cwd=root, stdout=theirs, env=plain) as run:
+        os.close(theirs)
+        text = b""
+        try:
+            while part := os.read(ours, 1 << 16):
+                text += part
+        except OSError:    # the terminal's last writer is gone
+            pass
+    os.close(ours)
+    if run.returncode:
+        raise SystemExit(f"{program} {whole}: exit code {run.returncode}")
+    return text.decode().replace("\r\n", "\n").rstrip("\n").split("\n")
+
+
 def terminal(program):
-    """The command, folded as one types it, and what it prints."""
-    answer = said(program, *shlex.split(whole)).split("\n")
-    return drawn([f"$ rlslab {typed[0]} \\", f"      {typed[1]}", *answer])
+    """The command and the top of its answer, in the columns that the picture has: a telephone's are fewer."""
+    width, height, scale = pixels(wide), top + step * rows, pixels(wide) / pixels(narrow)
+    size = f"{width:.0f} {height}"
+    out = [f'<svg xmlns="{xmlns}" viewBox="0 0 {size}" width="{width:.0f}" height="{height}" role="img">',
+           f"<title>rlslab {html.escape(whole)}</title>", f"<style>{style}</style>",
+           f'<rect width="{width:.0f}" height="{height}" rx="8" fill="#1d212b"/>',
+           *(f'<circle cx="{x}" cy="18" r="5" fill="{colour}"/>'
+             for x, colour in ((18, "#ff6058"), (36, "#ffbd2e"), (54, "#28c940")))]
+    for name, columns, seen in (("w", wide, rows), ("n", narrow, int((height / scale - top) / step) + 1)):
+        command = folded(columns)
+        out.append(drawn(name, command, answer(program, columns)[:seen - len(command)], columns))
+    out[-1] = out[-1].replace('id="n"', f'id="n" transform="scale({scale:.4f})"', 1)
+    return "\n".join([*out, "</svg>"]) + "\n"
 
 
 def commands(program):

@@ -24,13 +24,14 @@ function programOf(language, f) {
     const precision = hardware ? "" : "# The page rounds to " + words.format(f) +
       "; Python has float64 and float32.\n";
     const type = (hardware || ["double", "float64"])[1];
+    const guard = f.guard ? `, guard="${f.guard.name}"` : "";
     const prior = scaled ? `np.diag([${p0.join(", ")}])` : f.prior;
     return `import numpy as np
 import rlslab
 
 ${precision}${inLines("#", "#   ", list)}
 f = rlslab.filter("${f.variant}", ${d}, forgetting=${f.lambda}, ` +
-      `${scaled ? "prior_covariance" : "prior_variance"}=${prior}, dtype="${type}"${f.guard ? `, guard="${f.guard.name}"` : ""})
+      `${scaled ? "prior_covariance" : "prior_variance"}=${prior}, dtype="${type}"${guard})
 steps = f.update_many(Psi, y, steps=True)   ` +
       `# Psi: a row for each y, ${d} columns
 print(f.theta)

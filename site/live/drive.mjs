@@ -121,11 +121,13 @@ async function links() {
 }
 /** As site/build.py has it, in a folder: what leads to other pages does. */
 async function site() {
-  const to = path.join(folder, "site"), places = { "live/index.html": "", "variants/ud.html": "ud", "index.html": "first" };
-  for (const [name, title] of Object.entries(places)) {
-    fs.mkdirSync(path.dirname(path.join(to, name)), { recursive: true });
-    fs.writeFileSync(path.join(to, name), title ? `<title>${title}</title>` :
-      fs.readFileSync(path.join(folder, "index.html"), "utf8").replace('data-variants=""', 'data-variants="../variants/"'));
+  const alone = fs.readFileSync(path.join(folder, "index.html"), "utf8");
+  const texts = { "index.html": "<title>first</title>", "variants/ud.html": "<title>ud</title>",
+                  "live/index.html": alone.replace('data-variants=""', 'data-variants="../variants/"') };
+  for (const [name, text] of Object.entries(texts)) {
+    const to = path.join(folder, "site", name);
+    fs.mkdirSync(path.dirname(to), { recursive: true });
+    fs.writeFileSync(to, text);
   }
   for (const [link, title] of [["#home", "first"], ["#table a[href$='/ud.html']", "ud"]]) {
     await open("#variants=ud", "site/live/index.html");
@@ -193,8 +195,8 @@ async function frames() {
   await until("meter.last !== null", 25);
   const { frames, rows, seconds } = await evaluate("meter.last");
   await evaluate("play(false)");
-  console.log(`d = 6, ${await evaluate("variants.length")} variants: ${frames.toFixed(1)} frames and ${rows.toFixed(0)} rows a second over ` +
-    `${seconds.toFixed(1)} s: ${(rows / frames).toFixed(0)} rows a frame`);
+  console.log(`d = 6, ${await evaluate("variants.length")} variants: ${frames.toFixed(1)} frames and ` +
+    `${rows.toFixed(0)} rows a second over ${seconds.toFixed(1)} s: ${(rows / frames).toFixed(0)} rows a frame`);
 }
 async function pictures() {
   for (const width of [1280, 420])
