@@ -239,9 +239,6 @@ function showCode() {
 async function begin(ready) {
   ({ settings, guards, variants, parametersMost } = ready);
   words.guard[2].push(...guards.map(g => g.name));
-  const folder = document.documentElement.dataset.variants, home = byId("home");
-  home.hidden = !folder;
-  home.href = `${folder}../index.html`;
   settings.filter(s => words[s.name]).forEach(control);
   for (const { name } of variants) {
     const box = document.createElement("label");
@@ -287,6 +284,9 @@ async function begin(ready) {
   document.body.dataset.ready = "yes";
 }
 {
+  const folder = document.documentElement.dataset.variants;
+  byId("home").hidden = !folder;
+  byId("home").href = `${folder}../index.html`;
   const bytes = atob(byId("module").textContent), packed = Uint8Array.from(bytes, c => c.charCodeAt(0));
   worker.postMessage({ type: "begin", packed }, [packed.buffer]);
 }
