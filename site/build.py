@@ -89,12 +89,26 @@ class Site:
             return text
         text = re.sub(rf"^{re.escape(pages.numbers)}((?:.+\n)+)", lambda m: pages.folded("The numbers", m[1].rstrip()),
                       text, flags=re.M)
+        text = without_comments(text)
         apart = (r"(^(`{3,})(?!\{|`).*?^\2$|(?<!`)`[^`\n]+`(?!`)|"     # blocks and names of code
                  r"!\[[^\]]*\]\([^)]*\)|\]\(\S*live/index\.html[^)]*\))")    # pictures, what is resolved
         parts = re.split(apart, text, flags=re.M | re.S)
         linked = [re.sub(r"\]\(([^()\s]+)\)", lambda m: f"]({self.target(name, m[1])})", part or "")
                   for part in parts[::3]]
         return "".join(a + (b or "") for a, b in zip(linked, parts[1::3] + [""]))
+
+
+# What MyST takes at the beginning of a line, and other readers of Markdown do not: a comment, a break, a target.
+only_myst = r"(?=%|(?:\+ *){3,}|\([^\n]+\)= *$)"
+
+
+def without_comments(text):
+    """A line of prose that MyST would take for something else joins the line before it; the first of a paragraph or of
+    an item has its sign escaped."""
+    parts = re.split(r"(^ *(`{3,})(?!`).*?^ *\2`*$)", text, flags=re.M | re.S)    # blocks of code stay as they are
+    prose = [re.sub(rf"^([ >]*(?:(?:[-*+]|\d+\.) +)*){only_myst}", r"\1\\",
+                    re.sub(rf"(?<=\S)\n[ >]*{only_myst}", " ", part, flags=re.M), flags=re.M) for part in parts[::3]]
+    return "".join(a + b for a, b in zip(prose, [*parts[1::3], ""]))
 
 
 def write(path, text):
@@ -151,6 +165,8 @@ def main(source, out):
     for name in ("objects.inv", ".buildinfo"):
         (out / name).unlink(missing_ok=True)
     faults, links, count = check.site(out)
+    faults += [f"{name}: not on its page: {' '.join(words)}" for name in texts if name.endswith(".md")
+               and (words := check.lost(texts[name], (out / name).with_suffix(".html").read_text()))]
     if faults:
         sys.exit("\n".join(faults))
     print(f"{count} pages, {links} links within them, each leads somewhere; no page asks another machine:\n"

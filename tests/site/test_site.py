@@ -113,6 +113,22 @@ class Sources(unittest.TestCase):
         with self.assertRaises(SystemExit):
             self.site.target("docs/state.md", "nowhere.md")
 
+    def test_no_line_of_prose_is_a_comment_a_break_or_a_target(self):
+        read = build.without_comments
+        self.assertEqual(read("on an M3 6\n  % fewer, `15,7\n%` more"), "on an M3 6 % fewer, `15,7 %` more")
+        self.assertEqual(read("- % fewer\n\n+++\n\n(a)="), "- \\% fewer\n\n\\+++\n\n\\(a)=")
+        self.assertEqual(read("```\n% a comment of the code\n```\n"), "```\n% a comment of the code\n```\n")
+        for name in self.site.texts:
+            prose = re.sub(r"^ *(`{3,}).*?^ *\1`*$", "", self.site.page(name), flags=re.M | re.S)
+            self.assertEqual(re.findall(rf"^[ >]*(?:[-*] +)*{build.only_myst}.*", prose, re.M), [], name)
+
+    def test_words_that_a_page_lost_are_found(self):
+        source = "Six `is_it<T>` [of *them*](a.md#b) $x_1$\n% fewer\n\n```cpp\nint main() {}\n```\n\n1. &lt;T> <br>\n"
+        page = ('<article><p>Six <code>is_it&lt;T&gt;</code> <a href="a.html">of <em>them</em></a> <math>x</math>{}</p>'
+                "<pre><span>int</span> <span>main</span>() {{}}</pre><li>&lt;T></li></article>")
+        self.assertEqual(check.lost(source, page.format("% fewer")), [])
+        self.assertEqual(check.lost(source, page.format("")), ["fewer"])
+
     def test_each_page_is_reached(self):
         tree = "".join(t for t in self.site.texts.values() if "{toctree}" in t)
         for name in self.site.texts:
