@@ -29,9 +29,8 @@ def sources():
     out |= {f"studies/{s['name']}.md": pages.study_page(s, of.links) for s in of.studies}
     out |= {"variants/index.md": pages.variant_index(of), "studies/index.md": pages.study_index(of)}
     out |= {f"api/{name}.md": api.room_page(name, folder, chosen) for name, folder, chosen in api.rooms}
-    out |= {"api/c.md": api.c_page(), "api/python.rst": api.python_page()}
-    out["api/index.md"] = ("# C++: every header\n\nWhat carries a docstring, by room; the types that applications use "
-                           "most are also in [tables](../docs/types.md).\n")
+    out |= {"api/c.md": api.c_page(), "api/python.rst": api.python_page(of.headers)}
+    out["api/index.md"] = api.index_page(of.headers)
     below_index = {"variants/index": [h.name for h in of.headers], "studies/index": [s["name"] for s in of.studies],
                    "api/index": [name for name, _, _ in api.rooms],
                    "docs/decisions/README": [p.stem for p in ours if p.name.startswith("00")],
@@ -52,6 +51,8 @@ class Site:
 
     def __init__(self, texts):
         self.texts, self.files = texts, set()
+        self.titles = {p: m[1] for p, text in texts.items() if (m := re.match(r"# (.*)", text)) and p.endswith(".md")}
+        self.titles |= {f"{p}.md": title for title, p in re.findall(r"^([\w' :+.?]+) <(.*)>$", texts["index.md"], re.M)}
 
     def target(self, page, link):
         if re.match(r"[a-z]+:|#", link):
@@ -73,6 +74,30 @@ class Site:
             raise SystemExit(f"{page}: {link} leads nowhere")
         return os.path.relpath(made, os.path.dirname(page) or ".") + ("#" + part if part else "")
 
+    def named(self, name, prose):
+        """Files of Markdown as a reader of the site knows them: a link to one has the page's title for its text, and a
+        file, a place in the theory or a question that is named alone becomes a link."""
+        def to(path):
+            return os.path.relpath(path, os.path.dirname(name) or ".")
+
+        def title(m):
+            path = os.path.normpath(os.path.join(os.path.dirname(name), m[3].partition("#")[0]))
+            if m[2] and path in ("docs/theory.md", "docs/literature.md"):
+                return f"[{path[5:-3]}{m[2]}]({m[3]})"
+            return f"[{self.titles[path]}]({m[3]})" if path in self.titles else m[0]
+        prose = re.sub(r"\[((?:[\w./]*/)?\w+\.md)(\s[\d.][\w., ]*)?\]\(([^()\s]+)\)", title, prose)
+        parts = re.split(r"(\[[^\]]*\]\([^()\s]+\)|^#+ .*$)", prose, flags=re.M)    # links and headings stay
+        for i in range(0, len(parts), 2):
+            part = re.sub(r"(?<![\w/`])((?:docs/)?(?:\w+/)?\w+\.md)\b(?!\s\d)", lambda m: (
+                f"[{self.titles[m[1]]}]({to(m[1])})" if m[1] in self.titles else m[0]), parts[i])
+            part = re.sub(r'(?<!")docs/literature\.md (\d+(?:\.\d+)?)', lambda m: (
+                f"literature [{m[1]}]({to('docs/literature.md')}#{m[1]})"), part)
+            part = pages.places(part, to("docs/theory.md"))
+            parts[i] = re.sub(r"\b(questions?)\s(\d+)( and )?((?<=and )\d+)?", lambda m: (
+                f"[{m[1]} {m[2]}]({to('docs/questions.md')}#question-{m[2]})" + (m[3] or "") +
+                (f"[{m[4]}]({to('docs/questions.md')}#question-{m[4]})" if m[4] else "")), part)
+        return "".join(parts)
+
     def page(self, name):
         """A page's text as Sphinx reads it."""
         text = re.sub(r"^(#+ )(<a id=\"[^\"]*\"></a>)", r"\2\n\n\1", self.texts[name], flags=re.M)
@@ -87,13 +112,17 @@ class Site:
                             "away, and watch which variant breaks first." if live.exists() else "")
         if name.endswith(".rst"):
             return text
-        text = re.sub(rf"^{re.escape(pages.numbers)}((?:.+\n)+)", lambda m: pages.folded("The numbers", m[1].rstrip()),
-                      text, flags=re.M)
+        text = re.sub(rf"^{re.escape(pages.numbers)}((?:.+\n)+)", lambda m: pages.folded(
+            "The numbers", pages.parted(m[1].rstrip())), text, flags=re.M)
+        if name == "docs/questions.md":
+            text = re.sub(r"^(?:<a [^>]*></a>)?(?=\*\*([^*]+)\*\*)", lambda m: (
+                m[0] if f'"{pages.anchor(m[1])}"' in m[0] else f'<a id="{pages.anchor(m[1])}"></a>{m[0]}'), text,
+                          flags=re.M)
         text = without_comments(text)
         apart = (r"(^(`{3,})(?!\{|`).*?^\2$|(?<!`)`[^`\n]+`(?!`)|"     # blocks and names of code
                  r"!\[[^\]]*\]\([^)]*\)|\]\(\S*live/index\.html[^)]*\))")    # pictures, what is resolved
         parts = re.split(apart, text, flags=re.M | re.S)
-        linked = [re.sub(r"\]\(([^()\s]+)\)", lambda m: f"]({self.target(name, m[1])})", part or "")
+        linked = [re.sub(r"\]\(([^()\s]+)\)", lambda m: f"]({self.target(name, m[1])})", self.named(name, part))
                   for part in parts[::3]]
         return "".join(a + (b or "") for a, b in zip(linked, parts[1::3] + [""]))
 

@@ -94,7 +94,7 @@ class Sources(unittest.TestCase):
         try:
             import sphinx    # noqa: F401
         except ImportError:
-            api.python_page = lambda: ""
+            api.python_page = lambda headers: "\n".join(api.python_classes(headers))
         cls.site = build.Site(build.sources())
 
     def test_each_variant_and_study_has_its_page(self):
@@ -156,6 +156,51 @@ class Sources(unittest.TestCase):
             for share, least in zip(shares, (float("inf"), 0.5, 1)):    # rounded twice: one may differ
                 self.assertAlmostEqual(100 * sum(x >= least for x in of) / len(of), int(share), delta=1, msg=form)
             self.assertAlmostEqual(max(x for x in of if x < float("inf")), float(largest), delta=0.056, msg=form)
+
+    def test_numbers_of_good_at_are_in_what_it_names(self):
+        asked = {a: f"{short} {text}" for _, a, short, text in pages.questions()}
+        names = {h.name for h in header.variants()}
+        for name, said in pages.good_at().items():
+            self.assertIn(name, names)
+            self.assertEqual([p[:11] for p in said], ["**Good at**", "**Bad at** "], name)
+            for paragraph in said:
+                self.assertNotIn("{{", paragraph, "no such question")
+                numbers = [n for n in re.findall(r"questions?\s(\d+)(?: and (\d+))?", paragraph) for n in n if n]
+                anchors = [f"question-{n}" for n in numbers] + re.findall(r"questions\.md#([\w-]+)", paragraph)
+                behind = [asked[a] for a in anchors]
+                behind += [pages.read(f) for f in re.findall(r"\(\.\./(docs/(?!questions)\w+\.md)", paragraph)]
+                own = re.sub(r"\[[^]]*\]\(.*?\)|questions?\s\d+(?: and \d+)?|\^\{.*?\}", "", paragraph)
+                for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", own):
+                    with self.subTest(name, number=number):
+                        self.assertRegex(" ".join(behind), rf"(?<![\d.]){re.escape(number)}(?!\d)")
+
+    def test_times_of_a_page_are_those_of_the_speed_page(self):
+        times = pages.times()[1]
+        for name, cells in re.findall(r"^\| `(\w+)`(?: \*)? \| ([\d |]+?) \| [>\d]", re.split(
+                r"\n\n", pages.read("docs/speed.md"))[2], re.M):
+            for d, time in zip((4, 8, 16, 32, 64, 128, 256), cells.split(" | ")):
+                self.assertEqual(f"{times[name, 'double', d]:.0f}", time, f"{name}, {d}")
+
+    def test_the_pages_of_python_and_headers_name_each_class(self):
+        for h in header.variants():
+            self.assertIn(f"`rlslab::{h.type}", self.site.texts["api/index.md"])
+            self.assertEqual(f".. py:class:: {h.type}(" in self.site.texts["api/python.rst"], not h.sparse, h.name)
+
+    def test_files_are_named_as_a_reader_of_the_site_knows_them(self):
+        site = build.Site({"index.md": "A survey <docs/survey>\n", "docs/survey.md": "# Survey\n", "docs/theory.md": "",
+                           "docs/questions.md": "", "docs/nist.md": "[survey.md](survey.md), `docs/survey.md`, [theory."
+                           "md 16](theory.md#16), docs/theory.md 17 to\n19, docs/survey.md; questions 1 and 2"})
+        of = "[{0}](theory.html#{0})".format
+        self.assertEqual(site.page("docs/nist.md"), "[A survey](survey.html), `docs/survey.md`, "
+                         f"{of(16).replace('[', '[theory ')}, theory {of(17)} to\n{of(19)}, [A survey](survey.html); "
+                         "[questions 1](questions.html#question-1) and [2](questions.html#question-2)")
+
+    def test_a_long_paragraph_is_parted_between_sentences(self):
+        text = " ".join(f"Sentence {n} has five words." for n in range(60))
+        parts = pages.parted(text).split("\n\n")
+        self.assertEqual(" ".join(parts), text)
+        self.assertTrue(len(parts) > 3 and all(p.endswith("words.") and len(p.split()) <= 80 for p in parts))
+        self.assertEqual(pages.parted(text[:500]), text[:500])
 
     def test_numbers_of_an_answer_in_short_are_behind_it(self):
         shorts = [(title, short, text) for title, _, short, text in pages.questions() if short]
