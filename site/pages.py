@@ -304,7 +304,7 @@ def variant_index(of):
         row = of.readme.get(h.name, ["–"] * 7)
         bits, _, more = row[-1].partition("; ")
         rows.append([f"[`{h.name}`]({h.name}.md)", bits, row[4], row[1], row[2], row[0],
-                     re.split(r": |\. ", h.title)[0].rstrip(".") + (f"; {more}" if more else "")])
+                     f'<span class="title">{re.split(": |[.] ", h.title)[0].rstrip(".")}{more and "; "}{more}</span>'])
     return "# The variants\n\nEach is one page in `variants/`: its formula, then the code in the same letters. What " \
         "the columns mean: [README](../README.md#the-variants-and-their-speed).\n\n" + \
         table(["variant", "bits", "ns at 16", "operations at 10", "no prior", "propagates", ""], rows)
