@@ -88,7 +88,7 @@ class Site:
         prose = re.sub(r"\[((?:[\w./]*/)?\w+\.md)(\s[\d.][\w., ]*)?\]\(([^()\s]+)\)", title, prose)
         parts = re.split(r"(\[[^\]]*\]\([^()\s]+\)|^#+ .*$)", prose, flags=re.M)    # links and headings stay
         for i in range(0, len(parts), 2):
-            part = re.sub(r"(?<![\w/`])((?:docs/)?(?:\w+/)?\w+\.md)\b(?!\s\d)", lambda m: (
+            part = re.sub(r"(?<![\w/`])(?<!\]\()((?:docs/)?(?:\w+/)?\w+\.md)\b(?!\s\d)", lambda m: (
                 f"[{self.titles[m[1]]}]({to(m[1])})" if m[1] in self.titles else m[0]), parts[i])
             part = re.sub(r'(?<!")docs/literature\.md (\d+(?:\.\d+)?)', lambda m: (
                 f"literature [{m[1]}]({to('docs/literature.md')}#{m[1]})"), part)

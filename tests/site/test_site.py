@@ -189,11 +189,13 @@ class Sources(unittest.TestCase):
     def test_files_are_named_as_a_reader_of_the_site_knows_them(self):
         site = build.Site({"index.md": "A survey <docs/survey>\n", "docs/survey.md": "# Survey\n", "docs/theory.md": "",
                            "docs/questions.md": "", "docs/nist.md": "[survey.md](survey.md), `docs/survey.md`, [theory."
-                           "md 16](theory.md#16), docs/theory.md 17 to\n19, docs/survey.md; questions 1 and 2"})
+                           "md 16](theory.md#16), docs/theory.md 17 to\n19, docs/survey.md; questions 1 and 2",
+                           "README.md": "[![a](docs/a.svg)](docs/survey.md), docs/survey.md"})
         of = "[{0}](theory.html#{0})".format
         self.assertEqual(site.page("docs/nist.md"), "[A survey](survey.html), `docs/survey.md`, "
                          f"{of(16).replace('[', '[theory ')}, theory {of(17)} to\n{of(19)}, [A survey](survey.html); "
                          "[questions 1](questions.html#question-1) and [2](questions.html#question-2)")
+        self.assertEqual(site.page("README.md"), "[![a](docs/a.svg)](docs/survey.html), [A survey](docs/survey.html)")
 
     def test_a_long_paragraph_is_parted_between_sentences(self):
         text = " ".join(f"Sentence {n} has five words." for n in range(60))
