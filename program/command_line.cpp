@@ -13,7 +13,7 @@ namespace rlslab::program {
 using namespace report;
 namespace {
 
-/// "rlslab 0.2.0 (v0.2.0-3-g0123abc)": two builds of one version are told apart by their revision.
+/// "rlslab 0.2.0 (v0.2.0-3-g0123abc)": builds of one version differ in the revision.
 std::string version_text() {
     std::string const of = revision;
     return fmt::format("rlslab {}{}\n", version, of == "of no repository" ? "" : " (" + of + ")");
