@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Builds the documentation site: build.py SPHINX_SOURCE OUT. The tree's pages and those that pages.py and api.py make
-go to SPHINX_SOURCE, Sphinx writes OUT, and check.py looks at every page of it.
+"""Builds the documentation site: build.py SPHINX_SOURCE OUT. The tree's pages and those that pages.py,
+first_pages.py and api.py make go to SPHINX_SOURCE, Sphinx writes OUT, and check.py looks at every page of it.
 """
 import os
 import pathlib
@@ -11,6 +11,7 @@ import sys
 
 import api
 import check
+import first_pages
 import pages
 from header import root
 
@@ -40,9 +41,9 @@ def sources():
         out[f"{page}.md"] += "\n```{toctree}\n:hidden:\n:titlesonly:\n\n" + "\n".join(lines) + "\n```\n"
     first = (here / "pages/start.md").read_text()
     others = [p[:-3] for p in out if re.match(r"(docs/)?\w+\.md", p) and f"<{p[:-3]}>" not in first]
-    given = {"tabs": pages.start_tabs(), "picked": pages.choice(of), "others": "\n".join(others)}
-    out |= {"index.md": pages.filled("site/pages/start.md", given, of.links),
-            "which.md": pages.filled("site/pages/which.md", given, of.links)}
+    given = {"tabs": first_pages.start_tabs(), "picked": first_pages.choice(of), "others": "\n".join(others)}
+    out |= {"index.md": first_pages.filled("site/pages/start.md", given, of.links),
+            "which.md": first_pages.filled("site/pages/which.md", given, of.links)}
     return out
 
 

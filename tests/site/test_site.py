@@ -13,6 +13,7 @@ sys.path.insert(0, str(root / "site"))
 import api       # noqa: E402
 import build     # noqa: E402
 import check     # noqa: E402
+import first_pages    # noqa: E402
 import header    # noqa: E402
 import pages     # noqa: E402
 
@@ -139,13 +140,13 @@ class Sources(unittest.TestCase):
     def test_numbers_of_an_answer_are_among_those_behind_it(self):
         text = (root / "site/pages/which.md").read_text()
         for answer, path, title in re.findall(r"((?:(?!\n\n).)+)\n\n\{\{said (\S+) \| (.*?)\}\}", text, re.S):
-            behind = pages.paragraph(path, title)
+            behind = first_pages.paragraph(path, title)
             item = answer.split("\n- ")[-1]
             for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", item):
                 self.assertRegex(behind, rf"(?<![\d.]){re.escape(number)}(?!\d)", f"{title}: {item}")
 
     def test_the_form_knows_the_map_that_the_tables_are_of(self):
-        known = pages.lost_on_the_map()
+        known = first_pages.lost_on_the_map()
         lost = [cell.split(",")[3:] for bases in known["lost"].values() for priors in bases.values()
                 for kappas in priors.values() for cell in kappas.values()]
         text = (root / "docs/map.md").read_text()
@@ -217,7 +218,7 @@ class Sources(unittest.TestCase):
         self.assertEqual(page.count("<summary>The numbers</summary>"), len(shorts) + 1)    # and those of all
 
     def test_the_form_knows_what_was_measured_on_boards(self):
-        known = {v["name"]: v["cost"] for v in json.loads(pages.choice(pages.Shared()))["variants"]}
+        known = {v["name"]: v["cost"] for v in json.loads(first_pages.choice(pages.Shared()))["variants"]}
         rows = re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \|(.*)\|$", pages.read("docs/embedded.md"), re.M)
         self.assertGreater(len(rows), 5)
         for kind, word, d, cells in rows:
