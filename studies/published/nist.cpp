@@ -84,8 +84,7 @@ Study const nist{
                .where = {{"set", {"longley", "filip"}}}}},
     .claims =
         {
-            {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order "
-             "(fails: one order of the rows is one draw, and orders scatter by 1 to 5 digits)",
+            {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order",
              [](Table const& t) { return table_is_met(prior_of(t, 1e20)); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"covariance forms keep less than one digit of Longley in file order, at any c^2",
@@ -127,8 +126,7 @@ Study const nist{
                                least("digits_decimal"), 7.8, 8.0);
              },
              reproduction("earlier experiment, docs/literature.md 3.5")},
-            {"so no variant has more than 8.0 of Filip's decimals in file order (fails: a single error may point back "
-             "to them)",
+            {"so no variant has more than 8.0 of Filip's decimals in file order",
              [](Table const& t) {
                  return within(t.where("set", "filip").where("order", 0.0), {"variant", "c2"},
                                greatest("digits_decimal"), -INFINITY, 8.0);
@@ -137,8 +135,7 @@ Study const nist{
             {"qr and gentleman are within one digit of each other on every set at 1e20",
              [](Table const& t) { return within(prior_of(t, 1e20), {"set"}, lead("gentleman"), -1, 1); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
-            {"and so is qr_block, by blocks of Householder reflections (fails on Longley, where the place of the "
-             "prior's rows decides)",
+            {"and so is qr_block, by blocks of Householder reflections",
              [](Table const& t) { return within(prior_of(t, 1e20), {"set"}, lead("qr_block"), -1, 1); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"residual law: from Wampler4 to Wampler5, a residual 100 times larger, every triangular, UD and QR form "

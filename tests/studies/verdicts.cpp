@@ -171,6 +171,17 @@ TEST(Verdicts, OfTheFullBudgetAddUpToTheRecord) {
         for (auto const& [claim, verdict] : claims) ++counts[0], ++counts[verdict == yes ? 1 : verdict == no ? 2 : 3];
     EXPECT_EQ(sums, counts);
 }
+/// A claim is fixed before its run: its words do not say what came out.
+TEST(Verdicts, AreNotInTheWordsOfAClaim) {
+    auto const says_its_outcome = [](std::string const& text) {
+        for (char const* verdict : {"(fails", "(failed", "(holds", "(held", "(undecided"})
+            if (text.find(verdict) != text.npos) return true;
+        return false;
+    };
+    EXPECT_TRUE(says_its_outcome("P drifts (fails: part of the run lies before it)"));
+    for (Study const* study : studies::studies())
+        for (Claim const& claim : study->claims) EXPECT_FALSE(says_its_outcome(claim.text)) << claim.text;
+}
 /// Claims whose words changed since the full record are named in one place.
 TEST(Verdicts, ClaimsRestatedSinceTheFullRecordAreNamed) {
     std::istringstream words(page("/docs/questions.md"));
