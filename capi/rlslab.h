@@ -16,7 +16,7 @@ extern "C" {
 // Of this header; rlslab_abi() is the library's. It grows when something here is removed or changes its meaning.
 #define RLSLAB_ABI 1
 int rlslab_abi(void);
-char const* rlslab_version(void);  // "0.1.0"
+char const* rlslab_version(void);  // "0.2.0"
 char const* rlslab_message(void);  // of the calling thread's last error; "" before; never null
 
 typedef enum rlslab_status {

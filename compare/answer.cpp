@@ -44,11 +44,13 @@ std::string class_of(std::string_view variant) {
 
 namespace {
 
-/// "conventional loses 2.8 digits of P"
-std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next) {
+/// "ud is 0.5 digits below the best form in P", or, behind another such text, "conventional 2.8 in P".
+std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next, bool first) {
     std::string const who = next ? fmt::format("the next, {},", loss.variant) : loss.variant;
-    if (std::isfinite(loss.digits) && loss.digits < 0.05) return who + " loses nothing";
-    if (std::isfinite(loss.digits)) return fmt::format("{} loses {:.1f} digits of {}", who, loss.digits, loss.of);
+    if (std::isfinite(loss.digits) && loss.digits < 0.05) return who + (first ? " is the best form" : " is as good");
+    if (std::isfinite(loss.digits))
+        return fmt::format("{} {}{:.1f}{} in {}", who, first ? "is " : "", loss.digits,
+                           first ? " digits below the best form" : "", loss.of);
     Result const& lost = result_of(c, r.arithmetic, loss.variant);
     return fmt::format("{} {}", who, lost.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
 }
@@ -58,7 +60,7 @@ std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& 
 std::string losses_text(Comparison const& c, Recommendation const& r) {
     std::vector<std::string> out;
     for (size_t i = 0; i < r.losses.size(); ++i)
-        if (i > 0 || r.losses[i].digits > 0) out.push_back(loss_text(c, r, r.losses[i], i == 1));
+        if (i > 0 || r.losses[i].digits > 0) out.push_back(loss_text(c, r, r.losses[i], i == 1, out.empty()));
     return fmt::format("{}", fmt::join(out, "; "));
 }
 

@@ -1,6 +1,7 @@
 // The program's command line: its commands, and the messages for lines that are no valid command.
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
+#include "report/revision.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 
@@ -12,6 +13,12 @@ namespace rlslab::program {
 using namespace report;
 namespace {
 
+/// "rlslab 0.2.0 (v0.2.0-3-g0123abc)": builds of one version differ in the revision.
+std::string version_text() {
+    std::string const of = revision;
+    return fmt::format("rlslab {}{}\n", version, of == "of no repository" ? "" : " (" + of + ")");
+}
+
 struct CommandLine {
     CLI::App app{this_program.question, program_name()};
     std::vector<Command> const commands = this_program.commands(app);
@@ -21,7 +28,7 @@ struct CommandLine {
 
     CommandLine() {
         app.add_flag("--version", version,
-                     "the version of rlslab; with --json also revision, compiler, instruction set");
+                     "version and revision of rlslab; with --json also compiler and instruction set");
         app.add_flag("--json", json, "with --version: as JSON");
         app.footer(this_program.more);
         app.require_subcommand(0, 1);  // a file may be called "list"
@@ -164,8 +171,7 @@ std::function<int()> parse(std::vector<std::string> words) {
     }
     if (line->version)
         return [json = line->json] {
-            return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : "rlslab " RLSLAB_VERSION "\n"),
-                   0;
+            return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : version_text()), 0;
         };
     if (line->json) throw InputError("--json: expected behind --version or a command");
     for (Command const& command : line->commands)

@@ -52,7 +52,17 @@ void define_record(CLI::App& command, RecordArguments& a) {
     define_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
     define_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
     define_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
-    define_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
+    command.add_option("--delay", a.delay, "samples from input to output")
+        ->check(CLI::Validator(
+            [](std::string& text) {
+                return text.find(',') == text.npos
+                           ? ""
+                           : "expected one number for all inputs; delays of each are lags: "
+                             "--regressors y[k-1],u[k-3],v[k-1]";
+            },
+            ""))
+        ->check(whole(0, 1000000))
+        ->type_name("N");
     define_names(command, "--regressors", a.regressors,
                  "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
                  "whose past outputs have a minus: these have none");

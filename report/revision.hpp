@@ -3,7 +3,7 @@
 
 namespace rlslab::report {
 
-/// Of the project: "0.1.0".
+/// Of the project: "0.2.0".
 extern char const* const version;
 /// `git describe` of the tree when it was built, or what -DRLSLAB_REVISION= said; "of no repository" where neither is
 /// known. cmake/revision.cmake writes the file that defines all three.

@@ -114,13 +114,39 @@ def python_object(node, module, owner=""):
     return f".. py:{kind}:: {head}\n" + ("" if owner else f"   :module: {module}\n") + f"\n{indented(text)}\n"
 
 
-def python_page():
+def index_page(headers):
+    rows = [f"| [`{h.name}`](../variants/{h.name}.md) | `rlslab::{h.type}{'' if h.sparse else '<T, N>'}` | "
+            f"`<rlslab/variants/{h.name}.hpp>` |" for h in headers]
+    return ("# C++: every header\n\nWhat carries a docstring, by room; the types that applications use most are also "
+            "in [tables](../docs/types.md).\n\n## The variants\n\nA variant's class has the variant's name without "
+            "underscores, each word with a capital: `ud_delta` is `rlslab::UdDelta<T, N>` in C++ (T: the scalar; N: "
+            "the number of parameters, where it is known), `rlslab.UdDelta` in Python, `\"ud_delta\"` in C and on "
+            "the command line (the sparse ones are in C++ and in the program alone). Its page has what it computes; "
+            "all have the members of [the concept](core.md).\n\n"
+            "| variant | class | header |\n|---|---|---|\n" + "\n".join(rows) + "\n")
+
+
+def python_classes(headers):
+    """A class for each dense variant, as python/classes.py makes them from the same headers."""
+    title = "The variants"
+    out = [title, "-" * len(title), "", "``ud_delta`` is ``rlslab.UdDelta``, or ``rlslab.filter(\"ud_delta\", size)``; "
+           "in C++ it is ``rlslab::UdDelta``. So with each: the class is the variant's name without underscores, each "
+           "word with a capital. ``rlslab.CLASSES`` has them by name.", ""]
+    for h in headers:
+        if not h.sparse:
+            what = re.sub(r"([*`|])", r"\\\1", h.title)
+            out += [f".. py:class:: {h.type}(size, **options)", "   :module: rlslab", "",
+                    f"   ``{h.name}``. {what} `Formulas, cost, examples <../variants/{h.name}.html>`__", ""]
+    return out
+
+
+def python_page(headers):
     package = root / "python/rlslab"
     title = "Python: the reference"
     out = [title, "=" * len(title), "", "Docstrings as they stand. From the first import to a filter: "
            "`the Python page <../docs/python.html>`__. The class of each variant (``rlslab.Ud`` ...) takes the "
            "options of ``rlslab.Filter`` and has the formulas of `its page <../variants/index.html>`__ as its "
-           "docstring.", ""]
+           "docstring.", "", *python_classes(headers)]
     for name, title in (("_filter", "Filters"), ("__init__", "By name"), ("fleet", "Fleets"), ("_compare", "Compare"),
                         ("_certified", "Certified"), ("_identify", "Identify"), ("_studies", "Studies"),
                         ("results", "Statistics of a record"), ("sklearn", "scikit-learn")):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Builds the documentation site: build.py SPHINX_SOURCE OUT. The tree's pages and those that pages.py and api.py make
-go to SPHINX_SOURCE, Sphinx writes OUT, and check.py looks at every page of it.
+"""Builds the documentation site: build.py SPHINX_SOURCE OUT. The tree's pages and those that pages.py,
+first_pages.py and api.py make go to SPHINX_SOURCE, Sphinx writes OUT, and check.py looks at every page of it.
 """
 import os
 import pathlib
@@ -11,6 +11,7 @@ import sys
 
 import api
 import check
+import first_pages
 import pages
 from header import root
 
@@ -29,9 +30,8 @@ def sources():
     out |= {f"studies/{s['name']}.md": pages.study_page(s, of.links) for s in of.studies}
     out |= {"variants/index.md": pages.variant_index(of), "studies/index.md": pages.study_index(of)}
     out |= {f"api/{name}.md": api.room_page(name, folder, chosen) for name, folder, chosen in api.rooms}
-    out |= {"api/c.md": api.c_page(), "api/python.rst": api.python_page()}
-    out["api/index.md"] = ("# C++: every header\n\nWhat carries a docstring, by room; the types that applications use "
-                           "most are also in [tables](../docs/types.md).\n")
+    out |= {"api/c.md": api.c_page(), "api/python.rst": api.python_page(of.headers)}
+    out["api/index.md"] = api.index_page(of.headers)
     below_index = {"variants/index": [h.name for h in of.headers], "studies/index": [s["name"] for s in of.studies],
                    "api/index": [name for name, _, _ in api.rooms],
                    "docs/decisions/README": [p.stem for p in ours if p.name.startswith("00")],
@@ -41,9 +41,9 @@ def sources():
         out[f"{page}.md"] += "\n```{toctree}\n:hidden:\n:titlesonly:\n\n" + "\n".join(lines) + "\n```\n"
     first = (here / "pages/start.md").read_text()
     others = [p[:-3] for p in out if re.match(r"(docs/)?\w+\.md", p) and f"<{p[:-3]}>" not in first]
-    given = {"tabs": pages.start_tabs(), "picked": pages.choice(of), "others": "\n".join(others)}
-    out |= {"index.md": pages.filled("site/pages/start.md", given, of.links),
-            "which.md": pages.filled("site/pages/which.md", given, of.links)}
+    given = {"tabs": first_pages.start_tabs(), "picked": first_pages.choice(of), "others": "\n".join(others)}
+    out |= {"index.md": first_pages.filled("site/pages/start.md", given, of.links),
+            "which.md": first_pages.filled("site/pages/which.md", given, of.links)}
     return out
 
 
@@ -52,6 +52,8 @@ class Site:
 
     def __init__(self, texts):
         self.texts, self.files = texts, set()
+        self.titles = {p: m[1] for p, text in texts.items() if (m := re.match(r"# (.*)", text)) and p.endswith(".md")}
+        self.titles |= {f"{p}.md": title for title, p in re.findall(r"^([\w' :+.?]+) <(.*)>$", texts["index.md"], re.M)}
 
     def target(self, page, link):
         if re.match(r"[a-z]+:|#", link):
@@ -73,6 +75,30 @@ class Site:
             raise SystemExit(f"{page}: {link} leads nowhere")
         return os.path.relpath(made, os.path.dirname(page) or ".") + ("#" + part if part else "")
 
+    def named(self, name, prose):
+        """Files of Markdown as a reader of the site knows them: a link to one has the page's title for its text, and a
+        file, a place in the theory or a question that is named alone becomes a link."""
+        def to(path):
+            return os.path.relpath(path, os.path.dirname(name) or ".")
+
+        def title(m):
+            path = os.path.normpath(os.path.join(os.path.dirname(name), m[3].partition("#")[0]))
+            if m[2] and path in ("docs/theory.md", "docs/literature.md"):
+                return f"[{path[5:-3]}{m[2]}]({m[3]})"
+            return f"[{self.titles[path]}]({m[3]})" if path in self.titles else m[0]
+        prose = re.sub(r"\[((?:[\w./]*/)?\w+\.md)(\s[\d.][\w., ]*)?\]\(([^()\s]+)\)", title, prose)
+        parts = re.split(r"(\[[^\]]*\]\([^()\s]+\)|^#+ .*$)", prose, flags=re.M)    # links and headings stay
+        for i in range(0, len(parts), 2):
+            part = re.sub(r"(?<![\w/`])(?<!\]\()((?:docs/)?(?:\w+/)?\w+\.md)\b(?!\s\d)", lambda m: (
+                f"[{self.titles[m[1]]}]({to(m[1])})" if m[1] in self.titles else m[0]), parts[i])
+            part = re.sub(r'(?<!")docs/literature\.md (\d+(?:\.\d+)?)', lambda m: (
+                f"literature [{m[1]}]({to('docs/literature.md')}#{m[1]})"), part)
+            part = pages.places(part, to("docs/theory.md"))
+            parts[i] = re.sub(r"\b(questions?)\s(\d+)( and )?((?<=and )\d+)?", lambda m: (
+                f"[{m[1]} {m[2]}]({to('docs/questions.md')}#question-{m[2]})" + (m[3] or "") +
+                (f"[{m[4]}]({to('docs/questions.md')}#question-{m[4]})" if m[4] else "")), part)
+        return "".join(parts)
+
     def page(self, name):
         """A page's text as Sphinx reads it."""
         text = re.sub(r"^(#+ )(<a id=\"[^\"]*\"></a>)", r"\2\n\n\1", self.texts[name], flags=re.M)
@@ -87,14 +113,32 @@ class Site:
                             "away, and watch which variant breaks first." if live.exists() else "")
         if name.endswith(".rst"):
             return text
-        text = re.sub(rf"^{re.escape(pages.numbers)}((?:.+\n)+)", lambda m: pages.folded("The numbers", m[1].rstrip()),
-                      text, flags=re.M)
+        text = re.sub(rf"^{re.escape(pages.numbers)}((?:.+\n)+)", lambda m: pages.folded(
+            "The numbers", pages.parted(m[1].rstrip())), text, flags=re.M)
+        if name == "docs/questions.md":
+            text = re.sub(r"^(?:<a [^>]*></a>)?(?=\*\*([^*]+)\*\*)", lambda m: (
+                m[0] if f'"{pages.anchor(m[1])}"' in m[0] else f'<a id="{pages.anchor(m[1])}"></a>{m[0]}'), text,
+                          flags=re.M)
+        text = without_comments(text)
         apart = (r"(^(`{3,})(?!\{|`).*?^\2$|(?<!`)`[^`\n]+`(?!`)|"     # blocks and names of code
                  r"!\[[^\]]*\]\([^)]*\)|\]\(\S*live/index\.html[^)]*\))")    # pictures, what is resolved
         parts = re.split(apart, text, flags=re.M | re.S)
-        linked = [re.sub(r"\]\(([^()\s]+)\)", lambda m: f"]({self.target(name, m[1])})", part or "")
+        linked = [re.sub(r"\]\(([^()\s]+)\)", lambda m: f"]({self.target(name, m[1])})", self.named(name, part))
                   for part in parts[::3]]
         return "".join(a + (b or "") for a, b in zip(linked, parts[1::3] + [""]))
+
+
+# What MyST takes at the beginning of a line, and other readers of Markdown do not: a comment, a break, a target.
+only_myst = r"(?=%|(?:\+ *){3,}|\([^\n]+\)= *$)"
+
+
+def without_comments(text):
+    """A line of prose that MyST would take for something else joins the line before it; the first of a paragraph or of
+    an item has its sign escaped."""
+    parts = re.split(r"(^ *(`{3,})(?!`).*?^ *\2`*$)", text, flags=re.M | re.S)    # blocks of code stay as they are
+    prose = [re.sub(rf"^([ >]*(?:(?:[-*+]|\d+\.) +)*){only_myst}", r"\1\\",
+                    re.sub(rf"(?<=\S)\n[ >]*{only_myst}", " ", part, flags=re.M), flags=re.M) for part in parts[::3]]
+    return "".join(a + b for a, b in zip(prose, [*parts[1::3], ""]))
 
 
 def write(path, text):
@@ -151,6 +195,8 @@ def main(source, out):
     for name in ("objects.inv", ".buildinfo"):
         (out / name).unlink(missing_ok=True)
     faults, links, count = check.site(out)
+    faults += [f"{name}: not on its page: {' '.join(words)}" for name in texts if name.endswith(".md")
+               and (words := check.lost(texts[name], (out / name).with_suffix(".html").read_text()))]
     if faults:
         sys.exit("\n".join(faults))
     print(f"{count} pages, {links} links within them, each leads somewhere; no page asks another machine:\n"

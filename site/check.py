@@ -1,4 +1,7 @@
-"""Every link within the site leads to a file and to a name in it, and no page asks for anything from elsewhere."""
+"""Every link within the site leads to a file and to a name in it, no page asks for anything from elsewhere, and no word
+of a page's source is lost."""
+import collections
+import html
 import pathlib
 import re
 import urllib.parse
@@ -25,6 +28,45 @@ class Page(HTMLParser):
         want = given.get(self.asks.get(tag, "")) or (given.get("href") if tag == "link" else None)
         if want and not want.startswith("data:"):
             (self.requests if re.match(r"(https?:)?//", want) else self.links).append(want)
+
+
+class Words(HTMLParser):
+    """The text of a page's article without its formulas; what stands in blocks of their own is apart."""
+    inline = {"a", "code", "em", "span", "strong", "sub", "sup"}
+    without = {"math", "script", "style"}
+
+    def __init__(self, page):
+        super().__init__()
+        self.text, self.skipped = [], 0
+        self.feed(page)
+
+    def handle_starttag(self, tag, pairs):
+        self.skipped += tag in self.without
+        self.text += [] if tag in self.inline else [" "]
+
+    def handle_endtag(self, tag):
+        self.skipped -= tag in self.without
+        self.text += [] if tag in self.inline else [" "]
+
+    def handle_data(self, data):
+        self.text += [] if self.skipped else [data]
+
+
+def counted(text):
+    return collections.Counter(re.findall(r"[^\W_]+", text))
+
+
+def lost(markdown, page):
+    """Words of a Markdown text that its page has less often; formulas and numbers of items are not looked for."""
+    text = re.sub(r"^(`{3,})\{toctree\}.*?^\1$|<script\b.*?</script>|^ *\d+\. ", "", markdown, flags=re.M | re.S)
+    text = re.sub(r"^`{4,}(?:\{[\w-]+\} ?(.*))?$", r"\1", text, flags=re.M)    # around tabs
+    prose, code = re.split(r"^ *(`{3,})(?!`).*\n(.*?)^ *\1 *$", text, flags=re.M | re.S), []
+    prose, code = prose[::3], prose[2::3]
+    for part in prose:
+        spans = re.split(r"(?<!`)`([^`]+)`(?!`)", re.sub(r"\$\$.*?\$\$|(?<!\\)\$[^$]+(?<!\\)\$", " ", part, flags=re.S))
+        plain = re.sub(r"!\[[^\]]*\]\([^)]*\)|\]\([^)]*\)|<[^>]*>", "", " ".join(spans[::2]))
+        code += [html.unescape(plain), *spans[1::2]]
+    return sorted((counted("\n".join(code)) - counted("".join(Words(page).text))).elements())
 
 
 def site(folder):

@@ -127,10 +127,15 @@ def sentences(text, link=lambda code: code):
     return "".join(out)
 
 
-def places(text):
-    """Places in the theory, as docs/theory.md 16, 17, become links to them."""
-    return re.sub(r"docs/theory\.md ((?:\d+(?:, )?)+\b)", lambda m: "theory " + re.sub(
-        r"\d+", lambda n: f"[{n[0]}](../docs/theory.md#{n[0]})", m[1]), text)
+def slug(title):
+    """The name under which a heading is found on a Git server."""
+    return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+
+
+def places(text, theory="../docs/theory.md"):
+    """Places in the theory, as docs/theory.md 16, 17 to 19, become links to them."""
+    return re.sub(r"(?<!\")docs/theory\.md\s((?:\d+(?:,\s|,?\s(?:to|and)\s(?=\d))?)+\b)", lambda m: "theory " + re.sub(
+        r"\d+", lambda n: f"[{n[0]}]({theory}#{n[0]})", m[1]), text)
 
 
 def closing_or(cells, at):

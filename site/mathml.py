@@ -4,6 +4,7 @@ import re
 import subprocess
 
 from docutils import nodes
+from header import slug
 from sphinx.util import logging
 
 log = logging.getLogger(__name__)
@@ -44,10 +45,6 @@ def write(translator, node):
     block, text = key(node)
     translator.body.append(f'<div class="math">{made[block, text]}</div>' if block else made[block, text])
     raise nodes.SkipNode
-
-
-def slug(title):
-    return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
 
 
 def name_headings(app, doctree):

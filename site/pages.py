@@ -5,7 +5,7 @@ Each function returns Markdown whose links are those of the tree; build.py turns
 import json
 import re
 
-from header import places, root, sentences, variants
+from header import places, root, sentences, slug, variants
 
 sizes = (2, 4, 8, 16, 32, 64, 128)
 listing = {"C++": "cpp", "Python": "python", "C": "c", "Command line": "none"}
@@ -36,6 +36,18 @@ def table(head, rows):
     return "\n".join(f"| {' | '.join(row)} |" for row in [[str(c) for c in head], ["---"] * len(head), *rows]) + "\n"
 
 
+def parted(text, most=150, each=70):
+    """A paragraph of more than so many words, as paragraphs of whole sentences."""
+    if len(text.split()) <= most:
+        return text
+    parts = [""]
+    for sentence in re.split(r"(?<=\.)\s+(?=[A-Z*(`$])|(?<=\.\))\s+", text):
+        if len(parts[-1].split()) + len(sentence.split()) / 2 > each:
+            parts.append("")
+        parts[-1] += f" {sentence}" if parts[-1] else sentence
+    return "\n\n".join(parts)
+
+
 def folded(title, text):
     return f"<details><summary>{title}</summary>\n\n{text}\n\n</details>\n"
 
@@ -50,7 +62,8 @@ def readme_rows():
 
 def times():
     """(variant, arithmetic, d) -> nanoseconds of an update, and the machine, from bench/baseline.json. A unit of that
-    file in nanoseconds stands in docs/speed.md."""
+    file in nanoseconds stands in docs/speed.md, and so do the times of the same run in double, less rounded: those that
+    are there are taken from there."""
     machine, recorded = next(iter(json.loads(read("bench/baseline.json"))["machines"].items()))
     unit = float(re.search(r"\(([\d.]+) ns here\)", read("docs/speed.md").replace("\n", " "))[1])
     out = {}
@@ -58,32 +71,32 @@ def times():
         kind, *rest = name.split("/")
         if kind == "update" and len(rest) == 3:
             out[rest[0], rest[1], int(rest[2])] = median * unit
+    first = re.search(r"^\| ns an update.*?\n\n", read("docs/speed.md"), re.M | re.S)[0].splitlines()
+    asked = [int(c) for c in re.findall(r"\| (\d+) (?=\|)", first[0])]
+    for name, cells in re.findall(r"^\| `(\w+)`(?: \*)? \|(.*)", "\n".join(first), re.M):
+        out |= {(name, "double", d): int(c) for d, c in zip(asked, cells.split("|")) if c.strip().isdigit()}
     return machine, out
 
 
 numbers = "*The numbers.* "    # begins the paragraph behind an answer in short; build.py folds it
 
 
+def anchor(title):
+    """The name of a question in docs/questions.md, as build.py gives it: question-7 of the fifteen, or its words."""
+    number = re.match(r"(\d+)\. ", title)
+    return f"question-{number[1]}" if number else slug(" ".join(title.rstrip("?.").split()))
+
+
 def questions():
     """docs/questions.md by question: (title, anchor, the answer in short or "", the numbers)."""
-    part, found = "", []
+    found = []
     for block in re.split(r"\n\n", read("docs/questions.md")):
-        if block.startswith("## "):
-            part = block[3:].lower().replace(" ", "-")
         if m := re.match(r'(?:<a id="[^"]*"></a>)?\*\*(.*?)\*\*(.*)', block, re.S):
-            found.append((" ".join(m[1].split()), part, "", " ".join(m[2].split())))
+            found.append((" ".join(m[1].split()), anchor(m[1]), "", " ".join(m[2].split())))
         elif found and block.startswith(numbers):
             title, place, _, short = found.pop()
             found.append((title, place, short, " ".join(block.removeprefix(numbers).split())))
     return found
-
-
-def without_intervals(text):
-    return re.sub(r" \[[-\d.e]+, [-\d.e]+\]", "", text)
-
-
-def split_sentences(text):
-    return re.split(r"(?<=[.;])\s+(?=[A-Z*(`])", text)
 
 
 def studies():
@@ -179,22 +192,38 @@ def death(h):
     return " ".join([*out, "After an overflow, or a row that is not finite, it is `nonfinite`.\n"])
 
 
+def good_at():
+    """site/pages/good_at.md by variant: its paragraphs. {{TITLE}} is a question of docs/questions.md."""
+    asked = {t: f"[{t}](../docs/questions.md#{a})" for t, a, *_ in questions()}
+    text = re.sub(r"\{\{([^}]*)\}\}", lambda m: asked.get(" ".join(m[1].split()), m[0]), read("site/pages/good_at.md"))
+    parts = re.split(r"^## (\w+)\n", text.replace("](../../", "](../"), flags=re.M)
+    return dict(zip(parts[1::2], (p.strip().split("\n\n") for p in parts[2::2])))
+
+
+def on_the_map(name):
+    """What the table of all cells in docs/map.md has of a form, as a sentence."""
+    row = re.search(rf"^\| `{name}` \| (\d+) \| (\d+) \| (\d+) \| ([\d.]+) \(", read("docs/map.md"), re.M)
+    return (f"- **On [the map of winners](../docs/map.md)**, 750 cells of word, memory, prior, condition and basis: it "
+            f"broke down in {row[1]} % of them, lost half a digit or more to the best form in {row[2]} % and a digit "
+            f"or more in {row[3]} %; where it was sound it lost {row[4]} at most.") if row else ""
+
+
 def said(header, of):
-    """What questions.md says of a variant, in short, then folded with its numbers; and the claims that name it: those
-    on its end apart."""
-    answers = [(t, a, short, hits) for t, a, short, text in of.questions
-               if (hits := [text] if re.search(header.called, t) else
-                   [s for s in split_sentences(f"{short} {text}") if re.search(header.called, s)])]
-    found = [f"- **{t}** {of.links.page(short or without_intervals(hits[0]))} [→](../docs/questions.md#{a})"
-             for t, a, short, hits in answers]
-    named = [f"- **{t}** {of.links.page(' … '.join(more))}" for t, _, short, hits in answers
-             if (more := [s for s in hits if s not in short])]
-    if named:
-        found += ["", folded("The numbers behind these answers, where they name it", "\n".join(named))]
-    claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"] 
+    """What a variant is good and bad at, where it stands on the map, and the questions that name it; and the claims
+    that name it: those on its end apart."""
+    found = [f"- {of.links.page(p)}" for p in of.good_at.get(header.name, [])] + [on_the_map(header.name)]
+    asked = [f"[{t.rstrip('?.')}](../docs/questions.md#{a})" for t, a, *text in of.questions
+             if re.search(header.called, " ".join([t, *text]))]
+    if asked:
+        found += ["", folded(f"{counted(asked, 'question')} whose answers name it", "\n".join(f"- {q}" for q in asked))]
+    claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"]
               if re.search(rf"\b{header.name}\b(?!')|{header.called}", c)]
     ends = [c for c in claims if re.search(r"definite|overflow|break|surviv|ends|freez|lose", c[1])]
     return found, [c for c in claims if c not in ends], ends
+
+
+def counted(what, name):
+    return f"{len(what)} {name}{'s' * (len(what) > 1)}"
 
 
 legend = ("A claim puts a number in a *band*. It **holds** where the number's interval over the seeds lies inside the "
@@ -208,7 +237,7 @@ legend = ("A claim puts a number in a *band*. It **holds** where the number's in
 def claim_table(claims, links):
     """Folded: the claims of studies."""
     rows = [[links.name(f"`{s}`"), links.prose(c).replace("|", "\\|"), f"**{v}**"] for s, c, v in claims]
-    title = f"{len(rows)} claims of the studies name it (full budget, seed 1)"
+    title = f"{counted(rows, 'claim')} of the studies that name{'s' * (len(rows) == 1)} it (full budget, seed 1)"
     return folded(title, legend + table(["study", "claim", "verdict"], rows)) if rows else ""
 
 
@@ -267,7 +296,7 @@ class Shared:
     """What the pages of variants take from the rest of the tree."""
     def __init__(self):
         self.headers = variants()
-        self.readme, self.questions, self.studies = readme_rows(), list(questions()), studies()
+        self.readme, self.questions, self.studies, self.good_at = readme_rows(), questions(), studies(), good_at()
         self.machine, self.times = times()
         self.links = Links([h.name for h in self.headers], [s["name"] for s in self.studies])
 
@@ -276,11 +305,12 @@ def variant_index(of):
     rows = []
     for h in of.headers:
         row = of.readme.get(h.name, ["–"] * 7)
-        rows.append([f"[`{h.name}`]({h.name}.md)", re.split(r": |\. ", h.title)[0].rstrip("."), row[0], row[1],
-                     row[2], row[4], row[-1]])
+        bits, _, more = row[-1].partition("; ")
+        rows.append([f"[`{h.name}`]({h.name}.md)", bits, row[4], row[1], row[2], row[0],
+                     f'<span class="title">{re.split(": |[.] ", h.title)[0].rstrip(".")}{more and "; "}{more}</span>'])
     return "# The variants\n\nEach is one page in `variants/`: its formula, then the code in the same letters. What " \
         "the columns mean: [README](../README.md#the-variants-and-their-speed).\n\n" + \
-        table(["variant", "", "propagates", "operations at 10", "no prior", "ns at 16", "bits"], rows)
+        table(["variant", "bits", "ns at 16", "operations at 10", "no prior", "propagates", ""], rows)
 
 
 def quoted(factor):
@@ -319,80 +349,3 @@ def study_index(of):
             [f"[`{s['name']}`]({s['name']}.md)", s["question"].replace("|", "\\|"),
              *(sum(v == w for _, v, _ in s["verdicts"]) for w in ("holds", "fails", "undecided"))] for s in found])]
     return "\n".join(page)
-
-
-# The first pages: texts of site/pages/, filled from the rest of the tree.
-
-def start_tabs():
-    """The same first filter from each language. The tests of the page that a block is of compile or run it."""
-    return tabs({"C++": fenced("README.md", "cpp"), "Python": fenced("docs/python.md", "python"),
-                 "C": fenced("docs/c.md", "c"),
-                 "Command line": "rlslab compare --example longley\n"
-                 "rlslab compare mydata.csv --input u --output y --order 4 --detrend\n"})
-
-
-def paragraph(path, title):
-    """Of a page: the paragraph, or the item of a list, that begins with a title in bold."""
-    text = "\n\n" + read(path)
-    m = re.search(rf"\n(?:- |<a id=\"[^\"]*\"></a>)?\*\*{re.escape(title)}\*\*(.*?)(?=\n\n|\n- )", text, re.S)
-    if not m:
-        raise SystemExit(f"{path}: no paragraph \"{title}\"")
-    rest = text[m.end():].lstrip("\n")
-    rest = rest.split("\n\n")[0].removeprefix(numbers) if rest.startswith(numbers) else ""
-    return " ".join(f"{m[1]} {rest}".split())
-
-
-def behind(path, title, links):
-    """The numbers behind an answer, folded: that paragraph, with its place."""
-    text = links.page(re.sub(r"\]\((\w+\.md)", r"](../docs/\1", paragraph(path, title)))
-    text = text.replace("](../", "](")    # the first pages are above
-    title = re.sub(r"\$(\w)_?(\w?)\$", r"\1\2", title)    # a summary has no formulas
-    return folded(f"The numbers behind it: {title}", f"{text} [→]({path})")
-
-
-def lost_on_the_map():
-    """studies/maps/losses.csv as the form of which.md reads it: {regime: {basis: {prior: {kappa: cell}}}}, exponents
-    of 1/u; a cell is "5.12,4.20,5.03,0.10,...": digits of the best, then losses in the order of the forms."""
-    forms, *cells = [line.split(",") for line in read("studies/maps/losses.csv").splitlines() if line[0] != "#"]
-    table = {}
-    for regime, basis, prior, kappa, *lost in cells:
-        table.setdefault(regime, {}).setdefault(basis, {}).setdefault(prior, {})[kappa] = ",".join(lost)
-    return {"forms": forms[7:], "lost": table}
-
-
-def choice(of):
-    """What the form of which.md knows: the map of winners, and of each variant its line in the README's table, the
-    bench (nanoseconds by word and size), docs/embedded.md (instructions of -O2 by board, word and size), and the claims
-    of the study choose that hold, "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
-    boards = {}
-    for kind, word, d, m3, m4, m7 in re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \| (\d+) \| \d+ \| (\d+) \| \d+ "
-                                                r"\| (\d+) \| \d+ \|$", read("docs/embedded.md"), re.M):
-        for board, count in (("m3", m3), ("m4f", m4), ("m7", m7)):
-            boards.setdefault(kind, {}).setdefault(board, {}).setdefault(word, {})[d] = int(count)
-    law = r"(.*): (?:(\d) )?log2 kappa \+ c with c from (\d+) to (\d+)"
-    laws = [(int(m[2] or 1), m[1], [int(m[3]), int(m[4])])
-            for claim, verdict, _ in next(s for s in of.studies if s["name"] == "choose")["verdicts"]
-            if verdict == "holds" and (m := re.match(law, claim))]
-    speed, rows = read("docs/speed.md"), []
-    for h in of.headers:
-        row = of.readme.get(h.name, ["", "", "no", ""])
-        slope = int(row[-1][0]) if row[-1][:1].isdigit() else 0
-        rows.append({
-            "name": h.name, "sparse": h.sparse, "free": h.free, "slope": slope,
-            "constant": next((c for s, who, c in laws if s == slope and (h.name in re.split(r", ?", who) or
-                                                                        who == "factor forms")), None),
-            "asymmetric": "Antisymmetric" in h.prose or "antisymmetric part of a rounding error grows" in h.prose,
-            "later": f"`{h.name}` *" in speed,
-            "cost": boards.get(h.type, {}) | {"x86": {
-                word: {d: round(of.times[h.name, word, d]) for d in sizes if (h.name, word, d) in of.times}
-                for word in ("float", "double")}}})
-    return json.dumps({"machine": of.machine, "variants": rows, "map": lost_on_the_map()}).replace("</", "<\\/")
-
-
-def filled(path, given, links):
-    """A text of site/pages/: {{NAME}} is given; {{said PATH | TITLE}} is the numbers behind the answer above it."""
-    text = re.sub(r"\]\((?:\.\./){1,2}", "](", read(path))    # as the pages stand at the top of the site
-    text = re.sub(r"\{\{said (\S+) \| (.*?)\}\}", lambda m: behind(m[1], m[2], links), text)
-    for name, value in given.items():
-        text = text.replace(f"{{{{{name}}}}}", value if isinstance(value, str) else "")
-    return re.sub(r"(?<![\[`])`(\w+)`(?!`)", lambda m: links.name(m[0]).replace("](../", "]("), text)

@@ -182,6 +182,13 @@ def record(name):
     return json.loads((root / "studies" / (name + ".json")).read_text())
 
 
+def leans_on(texts, n):
+    """The last claim before the n-th that can be understood alone, in brackets; "" if the n-th can."""
+    leaning = r"(and|nor|so|it|its|than|there|the same|at twice|with the (delta|constant)|likewise|otherwise|that) "
+    first = next(m for m in range(n, 0, -1) if m == 1 or not re.match(leaning, texts[m - 1]))
+    return "" if first == n else "[" + texts[first - 1] + "] "
+
+
 def verdicts():
     full, second = record("verdicts-full"), record("verdicts-full-seed-2")
     claims = [(study, n, text, verdict) for study in full
@@ -197,7 +204,9 @@ def verdicts():
     yield r"\newcommand{\verdictsturn}{%d}" % sum({a, b} == {"holds", "fails"} for a, b in other)
     failing = ""
     for study, n, text, verdict in claims:
-        two = second.get(study, {}).get(text, "not run")
+        text = leans_on(list(full[study]), n) + text
+        yield defined("leans@%s@%d" % (study, n), tex(leans_on(list(full[study]), n)))
+        two = second.get(study, {}).get(list(full[study])[n - 1], "not run")
         yield defined("recorded@%s@%d" % (study, n), verdict if verdict == two else verdict + ", " + two)
         if verdict == "fails":
             failing += r"\texttt{%s} %d & %s & %s\\" % (tex(study), n, tex(text), two) + "\n"
@@ -232,6 +241,7 @@ def of_run(out, to):
     yield r"\newcommand{\expectederrors}{%s}" % run["expected_errors"]
     bands = [c["band"] for _, _, c in claims if c["kind"] == "finding"]
     after, before = sum("after" in b for b in bands), sum("before" in b and "after" not in b for b in bands)
+    yield r"\newcommand{\bandsall}{%d}" % len(bands)
     yield r"\newcommand{\bandsafter}{%d}" % after
     yield r"\newcommand{\bandsbefore}{%d}" % before
     yield r"\newcommand{\bandsformula}{%d}" % (len(bands) - before - after)

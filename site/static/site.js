@@ -38,13 +38,16 @@ document.addEventListener("DOMContentLoaded", () => {
     const count = regime => Math.log(regime.match(/\d+(?= rows$|$)/)[0] / positive("rows", 100));
     const regime = nearest(Object.keys(map.lost).filter(r => r.startsWith(word) && r.includes(value("lambda"))),
       r => Math.abs(count(r)));
-    const near = (of, x) => nearest(Object.keys(of), e => Math.abs(e - Math.log2(x) / bits));
+    const far = (e, x) => Math.abs(e - Math.log2(x) / bits);    // exponents of 1/u
+    const near = (of, x) => nearest(Object.keys(of), e => far(e, x));
     const priors = map.lost[regime][value("basis")], prior = near(priors, positive("c2", 1));
     const condition = near(priors[prior], kappa()), [theta, worst, P, ...lost] = priors[prior][condition].split(",");
     const written = e => Number(Math.pow(2, bits * e).toPrecision(2));
+    const outside = Math.abs(count(regime)) > Math.log(10) || far(prior, positive("c2", 1)) > 0.25 ||
+      far(condition, kappa()) > 0.125;
     const from = value("basis") === "units" ? "units of the columns" : "correlated columns";
     return { place: `${regime.replace(/ (?=memory|\d+ rows)/, ", ")}, ${from}, c² = ${written(prior)}, ` +
-      `κ = ${written(condition)}`, best: [theta, worst, P].map(x => Number(x).toFixed(1)),
+      `κ = ${written(condition)}`, outside, best: [theta, worst, P].map(x => Number(x).toFixed(1)),
       lost: Object.fromEntries(map.forms.map((form, i) => [form, lost[i]])) };
   }
   // [rank, digits lost, words]: 0 good, 1 less good, 2 not known, 3 no
@@ -84,9 +87,10 @@ document.addEventListener("DOMContentLoaded", () => {
       `Instructions of an update in ${word}, at -O2 (<a href="docs/embedded.html#what-it-costs">measured</a>)` :
       `Nanoseconds of an update in ${word} on ${machine}`) + ", at the measured number of parameters nearest to yours";
     const found = here ? `The nearest cell of <a href="docs/map.html">the map of winners</a> (4 parameters):
-      ${here.place}. There the best form keeps ${here.best[0]} digits of theta, ${here.best[1]} of its worst
-      component and ${here.best[2]} of P.
-      ${count(0)} forms lose half a digit at most in any of the three.` :
+      ${here.place}.${here.outside ? " <strong>Your data lie outside the map: ask compare.</strong>" : ""}
+      There the best form keeps ${here.best[0]} digits of theta, ${here.best[1]} of its worst component and
+      ${here.best[2]} of P.
+      Half a digit at most, in any of the three, is lost by ${count(0)} of ${map.forms.length} forms.` :
       `${count(0)} variants keep three digits of theta and P and ${count(1)} may, by the law of
       <a href="studies/choose.html">the study choose</a> (4 parameters, P0 = κ² I, graded rows, κ of 256 and more).`;
     place.querySelector(".answer").innerHTML = `<p>${found} ${unit}; *: without theta; –: not measured.</p>

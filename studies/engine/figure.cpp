@@ -106,7 +106,7 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
                       log_y,
                       plot.cells,
                       {},
-                      plot.series};
+                      plot.series_label.empty() ? plot.series : plot.series_label};
         Table rows = table;
         for (auto const& [column, values] : plot.where) rows = rows.where(column, values);
         // The same mark for the same series in every panel.

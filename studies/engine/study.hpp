@@ -70,6 +70,7 @@ struct Guide {
 struct Plot {
     std::string title, x, y;
     std::string series = "variant", panel = {};
+    std::string series_label = {};                                             ///< beside cells; its name if empty
     std::string log = "xy";                                                    ///< which axes are logarithmic
     std::string x_label = {}, y_label = {};                                    ///< the columns' names if empty
     std::vector<std::pair<std::string, std::vector<std::string>>> where = {};  ///< only rows with one of these values

@@ -111,7 +111,7 @@ def write_losses(base, forms, path):
     where = [f for f in FACTORS if f not in BASE]
     with open(path, "w", encoding="utf-8") as file:
         print("# cells of docs/map.md: most digits kept of theta, of its worst component and of P; then for each\n"
-              "# form the largest of what it lacks in the three, or lost: indefinite in more than half of the 11 runs;\n"
+              "# form the largest of what it lacks in the three, or lost: indefinite in more than half of 11 runs;\n"
               "# medians; by studies/maps/tables.py", file=file)
         print(",".join(where + ["theta", "worst", "P"] + forms), file=file)
         for at, kept in base:

@@ -128,6 +128,7 @@ Plot map_plot(std::string const& regime, std::string const& basis) {
             .x = "kappa_exponent",
             .y = "within",
             .series = "prior_exponent",
+            .series_label = "log P0 / log (1/u)",
             .log = "",
             .x_label = "log kappa / log (1/u)",
             .y_label = "share of runs",

@@ -65,6 +65,7 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
         refused(data + " --order 1 --forgetting " + bad, "--forgetting 0 1 " + bad);
     for (std::string const bad : {"0", "-1", "nan", "inf"}) refused(data + " --order 1 --p0 " + bad, "--p0 " + bad);
     refused(data + " --order 1 --delay -1", "--delay");
+    refused(data + " --order 1 --delay 1,0", "--delay one --regressors");
     refused(data + " --order 1 --threads 0", "--threads");
     refused(data + " --order 1 --variants ud,foo", "--variants foo conventional");
     refused(data + " --order 1 --arithmetic foo", "--arithmetic foo bfloat16");

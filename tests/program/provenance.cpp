@@ -62,6 +62,7 @@ TEST_F(Program, SaysItsVersionAsJson) {
     json const said = json::parse(shell("rlslab --version --json").out);
     for (char const* key : {"version", "revision", "compiler", "instruction_set"}) EXPECT_TRUE(said.contains(key));
     EXPECT_THAT(shell("rlslab --version").out, HasSubstr(said.at("version").get<std::string>()));
+    EXPECT_THAT(shell("rlslab --version").out, HasSubstr(said.at("revision").get<std::string>()));
     refused("--json", "--json: expected behind --version or a command");
 }
 

@@ -13,6 +13,7 @@ sys.path.insert(0, str(root / "site"))
 import api       # noqa: E402
 import build     # noqa: E402
 import check     # noqa: E402
+import first_pages    # noqa: E402
 import header    # noqa: E402
 import pages     # noqa: E402
 
@@ -100,7 +101,7 @@ class Sources(unittest.TestCase):
         try:
             import sphinx    # noqa: F401
         except ImportError:
-            api.python_page = lambda: ""
+            api.python_page = lambda headers: "\n".join(api.python_classes(headers))
         cls.site = build.Site(build.sources())
 
     def test_each_variant_and_study_has_its_page(self):
@@ -119,6 +120,22 @@ class Sources(unittest.TestCase):
         with self.assertRaises(SystemExit):
             self.site.target("docs/state.md", "nowhere.md")
 
+    def test_no_line_of_prose_is_a_comment_a_break_or_a_target(self):
+        read = build.without_comments
+        self.assertEqual(read("on an M3 6\n  % fewer, `15,7\n%` more"), "on an M3 6 % fewer, `15,7 %` more")
+        self.assertEqual(read("- % fewer\n\n+++\n\n(a)="), "- \\% fewer\n\n\\+++\n\n\\(a)=")
+        self.assertEqual(read("```\n% a comment of the code\n```\n"), "```\n% a comment of the code\n```\n")
+        for name in self.site.texts:
+            prose = re.sub(r"^ *(`{3,}).*?^ *\1`*$", "", self.site.page(name), flags=re.M | re.S)
+            self.assertEqual(re.findall(rf"^[ >]*(?:[-*] +)*{build.only_myst}.*", prose, re.M), [], name)
+
+    def test_words_that_a_page_lost_are_found(self):
+        source = "Six `is_it<T>` [of *them*](a.md#b) $x_1$\n% fewer\n\n```cpp\nint main() {}\n```\n\n1. &lt;T> <br>\n"
+        page = ('<article><p>Six <code>is_it&lt;T&gt;</code> <a href="a.html">of <em>them</em></a> <math>x</math>{}</p>'
+                "<pre><span>int</span> <span>main</span>() {{}}</pre><li>&lt;T></li></article>")
+        self.assertEqual(check.lost(source, page.format("% fewer")), [])
+        self.assertEqual(check.lost(source, page.format("")), ["fewer"])
+
     def test_each_page_is_reached(self):
         tree = "".join(t for t in self.site.texts.values() if "{toctree}" in t)
         for name in self.site.texts:
@@ -129,13 +146,13 @@ class Sources(unittest.TestCase):
     def test_numbers_of_an_answer_are_among_those_behind_it(self):
         text = (root / "site/pages/which.md").read_text()
         for answer, path, title in re.findall(r"((?:(?!\n\n).)+)\n\n\{\{said (\S+) \| (.*?)\}\}", text, re.S):
-            behind = pages.paragraph(path, title)
+            behind = first_pages.paragraph(path, title)
             item = answer.split("\n- ")[-1]
             for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", item):
                 self.assertRegex(behind, rf"(?<![\d.]){re.escape(number)}(?!\d)", f"{title}: {item}")
 
     def test_the_form_knows_the_map_that_the_tables_are_of(self):
-        known = pages.lost_on_the_map()
+        known = first_pages.lost_on_the_map()
         lost = [cell.split(",")[3:] for bases in known["lost"].values() for priors in bases.values()
                 for kappas in priors.values() for cell in kappas.values()]
         text = (root / "docs/map.md").read_text()
@@ -146,6 +163,53 @@ class Sources(unittest.TestCase):
             for share, least in zip(shares, (float("inf"), 0.5, 1)):    # rounded twice: one may differ
                 self.assertAlmostEqual(100 * sum(x >= least for x in of) / len(of), int(share), delta=1, msg=form)
             self.assertAlmostEqual(max(x for x in of if x < float("inf")), float(largest), delta=0.056, msg=form)
+
+    def test_numbers_of_good_at_are_in_what_it_names(self):
+        asked = {a: f"{short} {text}" for _, a, short, text in pages.questions()}
+        names = {h.name for h in header.variants()}
+        for name, said in pages.good_at().items():
+            self.assertIn(name, names)
+            self.assertEqual([p[:11] for p in said], ["**Good at**", "**Bad at** "], name)
+            for paragraph in said:
+                self.assertNotIn("{{", paragraph, "no such question")
+                numbers = [n for n in re.findall(r"questions?\s(\d+)(?: and (\d+))?", paragraph) for n in n if n]
+                anchors = [f"question-{n}" for n in numbers] + re.findall(r"questions\.md#([\w-]+)", paragraph)
+                behind = [asked[a] for a in anchors]
+                behind += [pages.read(f) for f in re.findall(r"\(\.\./(docs/(?!questions)\w+\.md)", paragraph)]
+                own = re.sub(r"\[[^]]*\]\(.*?\)|questions?\s\d+(?: and \d+)?|\^\{.*?\}", "", paragraph)
+                for number in re.findall(r"(?<![\w.$^_{])\d+(?:\.\d+)?(?![\w.]*\d)", own):
+                    with self.subTest(name, number=number):
+                        self.assertRegex(" ".join(behind), rf"(?<![\d.]){re.escape(number)}(?!\d)")
+
+    def test_times_of_a_page_are_those_of_the_speed_page(self):
+        times = pages.times()[1]
+        for name, cells in re.findall(r"^\| `(\w+)`(?: \*)? \| ([\d |]+?) \| [>\d]", re.split(
+                r"\n\n", pages.read("docs/speed.md"))[2], re.M):
+            for d, time in zip((4, 8, 16, 32, 64, 128, 256), cells.split(" | ")):
+                self.assertEqual(f"{times[name, 'double', d]:.0f}", time, f"{name}, {d}")
+
+    def test_the_pages_of_python_and_headers_name_each_class(self):
+        for h in header.variants():
+            self.assertIn(f"`rlslab::{h.type}", self.site.texts["api/index.md"])
+            self.assertEqual(f".. py:class:: {h.type}(" in self.site.texts["api/python.rst"], not h.sparse, h.name)
+
+    def test_files_are_named_as_a_reader_of_the_site_knows_them(self):
+        site = build.Site({"index.md": "A survey <docs/survey>\n", "docs/survey.md": "# Survey\n", "docs/theory.md": "",
+                           "docs/questions.md": "", "docs/nist.md": "[survey.md](survey.md), `docs/survey.md`, [theory."
+                           "md 16](theory.md#16), docs/theory.md 17 to\n19, docs/survey.md; questions 1 and 2",
+                           "README.md": "[![a](docs/a.svg)](docs/survey.md), docs/survey.md"})
+        of = "[{0}](theory.html#{0})".format
+        self.assertEqual(site.page("docs/nist.md"), "[A survey](survey.html), `docs/survey.md`, "
+                         f"{of(16).replace('[', '[theory ')}, theory {of(17)} to\n{of(19)}, [A survey](survey.html); "
+                         "[questions 1](questions.html#question-1) and [2](questions.html#question-2)")
+        self.assertEqual(site.page("README.md"), "[![a](docs/a.svg)](docs/survey.html), [A survey](docs/survey.html)")
+
+    def test_a_long_paragraph_is_parted_between_sentences(self):
+        text = " ".join(f"Sentence {n} has five words." for n in range(60))
+        parts = pages.parted(text).split("\n\n")
+        self.assertEqual(" ".join(parts), text)
+        self.assertTrue(len(parts) > 3 and all(p.endswith("words.") and len(p.split()) <= 80 for p in parts))
+        self.assertEqual(pages.parted(text[:500]), text[:500])
 
     def test_numbers_of_an_answer_in_short_are_behind_it(self):
         shorts = [(title, short, text) for title, _, short, text in pages.questions() if short]
@@ -160,7 +224,7 @@ class Sources(unittest.TestCase):
         self.assertEqual(page.count("<summary>The numbers</summary>"), len(shorts) + 1)    # and those of all
 
     def test_the_form_knows_what_was_measured_on_boards(self):
-        known = {v["name"]: v["cost"] for v in json.loads(pages.choice(pages.Shared()))["variants"]}
+        known = {v["name"]: v["cost"] for v in json.loads(first_pages.choice(pages.Shared()))["variants"]}
         rows = re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \|(.*)\|$", pages.read("docs/embedded.md"), re.M)
         self.assertGreater(len(rows), 5)
         for kind, word, d, cells in rows:
