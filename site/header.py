@@ -174,6 +174,22 @@ def drawn(first, second):
     return out, split[0][-1].strip(), split[1][-1].strip()
 
 
+def signs(text):
+    """About how many signs LaTeX is drawn with, a wide space as two."""
+    return len(re.sub(r"[\\{}_^' ]", "", re.sub(r"\\[a-z]+", "x", text.replace(r"\quad", "xx"))))
+
+
+def fitting(text, most=62):
+    """A row of formulas, or several where one would be wider than a page's column: cut behind a colon, else between two
+    formulas."""
+    spaces = [m for m in re.finditer(r" ?\\quad ", text) if m.start()]
+    if signs(text) <= most or not spaces:
+        return [text]
+    fit = [m for m in spaces if signs(text[:m.start()]) <= most]
+    at = next((m for m in spaces if text[m.start() - 1] == ":"), (fit or spaces[:1])[-1])
+    return [text[:at.start()], *fitting(text[at.end():], most)]
+
+
 def formula_block(lines):
     """Lines of formulas, numbered, continued or drawn, as one aligned block."""
     rows, i = [], 0    # (number, LaTeX)
@@ -191,7 +207,8 @@ def formula_block(lines):
                     rows.append(("", latex(cut(below))))
                 i += 1
             elif text.strip():
-                rows.append((label, latex(cut(text.strip()))))
+                first, *more = fitting(latex(cut(text.strip())))
+                rows += [(label, first), *(("", row) for row in more)]
         i += 1
     return "$$\n\\begin{aligned}\n" + " \\\\\n".join(f"{n}\\quad & {f}" for n, f in rows) + "\n\\end{aligned}\n$$"
 
@@ -208,6 +225,11 @@ class Header:
         self.blocks = [b.split("\n") for b in re.split(r"\n\s*\n", "\n".join(ln[4:] for ln in above.splitlines()))]
         self.prose = "\n".join(" ".join(b) for b in self.blocks if not b[0].startswith("  "))
         self.sparse = "GPL" in page.split("\n")[0] + self.title
+        self.block = m[1] if (m := re.search(r"Index block = (\d+)", page)) else ""
+        self.accumulates = "void accumulate(" in page
+        self.needs = "Eigen; any arithmetic" + (" with a square root" if "template <RootedScalar" in page else "")
+        if self.sparse:
+            self.needs = ("SPQR" if "spqr.hpp" in page else "CHOLMOD") + " (GPL-2+), binary64"
         self.free, self.may_be_indefinite = "starts_without_prior = true" in page, "Health::indefinite" in page
         self.called = f"`{self.name}`"    # in prose: also inverse QR, UD, Joseph's form
         if "_" in self.name:
@@ -217,6 +239,9 @@ class Header:
         if (person := re.match(r"(\w+)'s ", self.title)) and person[1].lower() in self.name:
             self.called += rf"|\b{person[1]}\b"
         self.quantity, self.form = re.findall(r"(?:Quantity|Form)::(\w+)", page)[:2]    # of what it stores
+        self.propagates = {"plain": "the ", "factor": "a factor of the "}[self.form] + self.quantity
+        if self.quantity == "covariance" and "= P^-1" in self.prose:
+            self.propagates += " and one of its inverse"
 
     def text(self, link=lambda code: code):
         """The text above the class as blocks of Markdown."""

@@ -171,10 +171,12 @@ def code_of(header):
 
 dies = {
     ("covariance", "plain"): "$P$ itself is stored, and rounding can make it indefinite. `health` is `indefinite` at "
-    "each row whose $\\gamma$ lies outside $(0, 1]$. A row meets $P$ along its $\\psi$ only, so that $P$ may have been "
+    "each row whose $\\gamma$ lies outside $[0, 1]$. A row meets $P$ along its $\\psi$ only, so that $P$ may have been "
     "indefinite for a while. A [guard](../docs/library.md#around-a-filter) around it resets $P$, or hands over.",
     ("covariance", "factor"): "A factor of $P$ is stored: $P$ stays positive definite while nothing overflows or "
     "underflows (docs/theory.md 34).",
+    ("covariance", "full root"): "A full root of $P$ is stored: $P$ stays semidefinite, but under a large prior "
+    "rounding can make it singular, which `health` does not report (docs/theory.md 44).",
     ("information", "factor"): "A factor of $P^{-1}$ is stored, and a row only adds to $P^{-1}$.",
     ("information", "plain"): "$P^{-1}$ itself is stored and factored for the report.",
 }
@@ -182,7 +184,7 @@ dies = {
 
 def death(h):
     """How a filter ends: by what it stores, and by what its page says of health."""
-    out = [places(dies[h.quantity, h.form])]
+    out = [places(dies[h.quantity, "full root" if "a full square root" in h.prose else h.form])]
     if h.may_be_indefinite and h.quantity == "information":
         out.append("`health` is `indefinite` where a pivot is not positive.")
     if h.free:
@@ -243,13 +245,14 @@ def cost(header, of, storage):
     operations = of.readme.get(header.name, ["", "–"])[1]
     page = [storage + ".\n"] if storage else []
     if operations != "–":
-        page.append(f"One update at 10 parameters, theta included: {operations} operations, counted by running the "
-                    "code.\n")
+        what = f"A row of a block of {header.block}, without theta," if header.block else "An update, theta included,"
+        page.append(f"{what} at 10 parameters: {operations} operations, counted by running the code.\n")
     timed = [[a, *(f"{of.times[header.name, a, d]:.0f}" for d in sizes)] for a in ("float", "double")
              if all((header.name, a, d) in of.times for d in sizes)]
     if timed:
-        without = ", without solving for theta" if f"`{header.name}` *" in read("docs/speed.md") else ""
-        page += [f"Nanoseconds of an update{without}, by number of parameters ({of.machine}; `bench/baseline.json`,\n"
+        call = "accumulate()`, without report" if header.accumulates else "update()`, without solving for theta" if (
+            f"`{header.name}` *" in read("docs/speed.md")) else "update()`"
+        page += [f"Nanoseconds of an `{call}, by number of parameters ({of.machine}; `bench/baseline.json`,\n"
                  "[how it was measured](../docs/speed.md#how-it-was-measured)):\n", table(["", *sizes], timed)]
     return page
 
@@ -271,9 +274,9 @@ def variant_page(h, of):
     page += [table(["", ""], [
         ["class", f"`rlslab::{h.type}{'' if h.sparse else '<T, N>'}`"],
         ["header", f"[`<rlslab/variants/{h.name}.hpp>`]({h.name}.hpp)"],
-        ["propagates", {"plain": "the ", "factor": "a factor of the "}[h.form] + h.quantity],
+        ["propagates", h.propagates],
         ["starts without a prior", "yes" if h.free else "no"],
-        ["needs", "SPQR or CHOLMOD (GPL-2+), binary64" if h.sparse else "Eigen; any arithmetic"]]),
+        ["needs", h.needs]]),
         f"{{{{live {h.name} {h.type}}}}}\n", "## What it computes\n", *(b.strip() + "\n" for b in blocks),
         "## What it costs\n",
         *cost(h, of, storage), "## Good at, bad at\n"]

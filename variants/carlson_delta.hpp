@@ -15,9 +15,9 @@ namespace rlslab {
 ///   (4) v = 0, and for j = 1 ... d, i <= j, t = the old S_ij:  S_ij = t - (t h_j + v_i m_j'),  v_i += t f_j
 ///   (5) K = v / s_d, theta += K e
 ///
-/// Where k_j < 1/2, S_ij = t k_j - v_i m_j', so that S_jj > 0 for any row. carlson multiplies S by the rounded root of
-/// s_{j-1} / s_j and divides it by the rounded root of lambda: errors of one sign, which add up over 1 / (1 - lambda)
-/// rows. Here neither is applied to S (docs/theory.md 39, 45, 91).
+/// Where k_j < 1/2, S_ij = t k_j - v_i m_j', so that S_jj > 0 for any row. `carlson` multiplies S by the rounded root
+/// of s_{j-1} / s_j and divides it by the rounded root of lambda: errors of one sign, which add up over
+/// 1 / (1 - lambda) rows. Here neither is applied to S where k_j >= 1/2 (docs/theory.md 39, 45, 91).
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots.
 /// Sources: Carlson 1973; Middleton & Goodwin 1986 (delta form); derived.
 template <RootedScalar T, int N = Dynamic>

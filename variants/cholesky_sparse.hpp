@@ -12,9 +12,9 @@ namespace rlslab {
 ///   (2) D = lambda D, then L D L' + psi psi' by the update along psi's path in the elimination tree
 ///   (3) b = lambda b + psi y,   theta = (L D L')^-1 b,   K = (L D L')^-1 psi
 ///
-/// Storage and time follow the fill of L, not d^2: f and (2) take the columns on psi's path, theta all of them. Columns
-/// keep their order, so a band stays one. Squares the condition number as `information` does. Needs a prior.
-/// Source: Davis & Hager 1999.
+/// Storage and time follow the fill of L, not d^2: f and the update of (2) take the columns on psi's path, D = lambda D
+/// and theta all of them. Columns keep their order, so a band stays one. Squares the condition number as `information`
+/// does. Needs a prior. Source: Davis & Hager 1999.
 class CholeskySparse {
     double lambda_;
     Vector<double> theta_, b_, f_, K_;

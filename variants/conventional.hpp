@@ -13,7 +13,7 @@ namespace rlslab {
 ///   (4) P = (P - K f') / lambda    (5) theta += K e
 ///
 /// The antisymmetric part of a rounding error grows as lambda^-k (Verhaegen 1989); the form is here as a warning.
-/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] reports breakdown. P may be indefinite
+/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside [0, 1] reports breakdown. P may be indefinite
 /// while gamma is inside: gamma depends on P along psi only.
 /// Source: Plackett 1950.
 template <Scalar T, int N = Dynamic>

@@ -11,14 +11,14 @@ namespace rlslab {
 /// its weight is w, 1 at first:
 ///
 ///   (1) x = psi, and for i = 1 ... d, j > i:  x_j' -= x_i' R_ij       (2) 1/w_{i+1} = 1/w_i + |x_i|^2 / (lambda D_i)
-///   (3) D' = lambda D_i + w_i |x_i|^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
+///   (3) q = lambda D_i + w_i |x_i|^2,  c_i = lambda D_i / q,  s_i = w_i x_i / q,  D_i = q
 ///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;
 ///       z_i and eta alike              (5) gamma = w_{d+1},  e = eta
 ///
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
 /// theta (R theta = z) and K are solved for on request. Storage d^2 (half used); per update 2 d^2 + O(d)
-/// multiplications, no square root. Starts without a prior: while D has a zero the innovation is NaN and health
-/// undetermined. Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
+/// multiplications (1.5 d^2 where float and double take one pass), no square root. Starts without a prior: while D has
+/// a zero the innovation is NaN and health undetermined. Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
 template <Scalar T, int N = Dynamic>
 class Gentleman {
     RealOf<T> lambda_;

@@ -13,9 +13,9 @@ namespace rlslab {
 ///
 /// Squares the condition number; the form is here as a warning. A pivot D_j <= 0 is breakdown (indefinite): theta is
 /// NaN until a later X factors again, and the next row is indefinite too, because no theta predicts its y. Starts
-/// without a prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 +
-/// O(d) multiplications (after rows without report another d^3/6), per row without report 2 d^2 + O(d). Source: Gauss;
-/// Bierman 1977.
+/// without a prior: from the first row until X factors, theta is NaN and health undetermined. Storage 2 d^2; per update
+/// d^3/6 + 3.5 d^2 + O(d) multiplications (after rows without report another d^3/6 + d^2), per row without report
+/// 2 d^2 + O(d). Source: Gauss; Bierman 1977.
 template <Scalar T, int N = Dynamic>
 class Information {
     RealOf<T> lambda_;

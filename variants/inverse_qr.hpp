@@ -13,9 +13,9 @@ namespace rlslab {
 ///   (2) [ 1  0'                ]  ->  [ b  g'  ]       one rotation for each j = 1 ... d, on (b, a_j) and
 ///       [ a  S' / sqrt(lambda) ]      [ 0  S'  ]       (g, column j of S):  b_j = |(b_{j-1}, a_j)|,
 ///                                                      c_j = b_{j-1} / b_j,  s_j = a_j / b_j
-///   (3) b^2 = s / lambda,  K = g / b,  theta += K e
+///   (3) b^2 = s / lambda,  s = lambda + psi'P psi,  K = g / b,  theta += K e
 ///
-/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
+/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, 2 d square roots.
 /// Source: Alexander & Ghirnikar 1993.
 template <RootedScalar T, int N = Dynamic>
 class InverseQr {

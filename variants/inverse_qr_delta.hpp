@@ -15,11 +15,11 @@ namespace rlslab {
 ///   (3) k_j = c_j / sqrt(lambda),   m_j = s_j / sqrt(lambda)
 ///       h_j = 1 - k_j = (|f_j|^2 - b_{j-1}^2 (1 - lambda) / lambda) / (b_j^2 (1 + k_j))
 ///   (4) g = 0, and for j = 1 ... d, i <= j, t = the old S_ij:  S_ij = t - (t h_j + g_i m_j'),  g_i = c_j g_i + s_j t
-///   (5) b_d^2 = s,  K = g / b_d,  theta += K e
+///   (5) b_d^2 = s = lambda + psi'P psi,  K = g / b_d,  theta += K e
 ///
-/// Where k_j < 1/2, S_ij = t k_j - g_i m_j', so that S_jj > 0 for any row. inverse_qr multiplies S by the rounded
+/// Where k_j < 1/2, S_ij = t k_j - g_i m_j', so that S_jj > 0 for any row. `inverse_qr` multiplies S by the rounded
 /// cosines and divides it by the rounded root of lambda: errors of one sign, which add up over 1 / (1 - lambda) rows.
-/// Here neither is applied to S (docs/theory.md 39, 45, 91).
+/// Here neither is applied to S where k_j >= 1/2 (docs/theory.md 39, 45, 91).
 /// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, 2 d square roots.
 /// Sources: Alexander & Ghirnikar 1993; Middleton & Goodwin 1986 (delta form); derived.
 template <RootedScalar T, int N = Dynamic>

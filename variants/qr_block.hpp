@@ -15,11 +15,11 @@ namespace rlslab {
 ///   (2) I - beta_i v_i v_i',  v_i = (R_ii - r, x_i),  r = -+|(R_ii, x_i)|,  beta_i = 1 / (r (r - R_ii)): in the panel
 ///   (3) W = X'A,  G = X'X,  X = (x_1 ... x_8),  T by substitution with G,  A -= X T: in the columns A behind it
 ///   (4) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for on request
-///   (5) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
+///   (5) merging: (1) with [R, z] of n newer rows as the block, weighted already, and B = n
 ///
-/// Each sum's order is that of kernels::ReflectPanel. Where squares leave T's range, for complex numbers, in fixed
-/// point and in update(), v_i = (1, x_i / (R_ii - r)), one by one. update() reports as `qr` does: sqrt(gamma) =
-/// prod |c_i|, e = eta / sqrt(gamma). Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3.
+/// Each sum's order is that of kernels::ReflectPanel. Where squares leave the arithmetic's range, for complex numbers,
+/// in fixed point and in update(), v_i = (1, x_i / (R_ii - r)), one by one. update() reports as `qr` does: sqrt(gamma)
+/// = prod |c_i|, e = eta / sqrt(gamma). Storage d^2 and the block; per row d^2 + O(d) multiplications, per merging d^3.
 /// Starts without a prior, and should if 1/sqrt(P0) is below u |psi|, which reflections round away.
 /// Sources: Golub 1965; Puglisi 1992; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <RootedScalar T, int N = Dynamic>

@@ -8,7 +8,7 @@
 namespace rlslab {
 
 /// Propagates P; each number below the diagonal is the one above it (its conjugate), bit for bit. In float and double
-/// the blocks of 8 x 8 on and above the diagonal are stored (SymmetricMatrix), else P in full.
+/// the blocks of 8 x 8 (4 x 4 at fixed sizes up to 4) on and above the diagonal are stored (SymmetricMatrix), else P.
 ///
 ///   (1) f = P psi                           (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P_ij = P_ji' = (P_ij - K_i f_j') / lambda for i <= j                 (5) theta += K e

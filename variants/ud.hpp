@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates P = U D U', U unit upper triangular. All divisions come before the sweep over U's columns:
+/// Propagates P = U D U', U unit upper triangular. All divisions that the sweep over U's columns needs come before it:
 ///
 ///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j'g_j, s_0 = lambda
 ///   (3) D_j = D_j (s_{j-1} / s_j) / lambda

@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates P = U D U', U unit upper triangular, as ud does, but for (3):
+/// Propagates P = U D U', U unit upper triangular, as `ud` does, but for (3):
 ///
 ///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j'g_j, s_0 = lambda
 ///   (3) h_j = (f_j'g_j - s_{j-1} (1 - lambda) / lambda) / s_j,   D_j = D_j - D_j h_j
@@ -16,8 +16,8 @@ namespace rlslab {
 ///   (5) K = v / s_d, theta += K e
 ///
 /// 1 - h_j is s_{j-1} / (lambda s_j). Where h_j > 1/2, D_j is multiplied by that quotient instead, so that D_j > 0 for
-/// any row. ud rounds the quotient, which is near 1 when lambda is: its error has a mean of order (1 - lambda)^2, which
-/// adds up over 1 / (1 - lambda) rows; that of the difference is far smaller (docs/theory.md 91).
+/// any row. `ud` rounds the quotient, which is near 1 when lambda is: its error has a mean of order (1 - lambda)^2,
+/// which adds up over 1 / (1 - lambda) rows; that of the difference is far smaller (docs/theory.md 91).
 /// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications.
 /// Sources: Bierman 1977; Middleton & Goodwin 1986 (delta form); derived.
 template <Scalar T, int N = Dynamic>

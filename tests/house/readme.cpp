@@ -2,6 +2,9 @@
 // scalar measures.
 #include <rlslab/catalogue/catalogue.hpp>
 
+#include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/variants/information.hpp>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,13 +60,17 @@ TEST(Readme, IsOnePage) {
     EXPECT_LE(readme.size(), 12 * 1024u);
 }
 
+std::string docstring(std::string_view variant) {
+    return std::regex_replace(text_of(("/variants/" + std::string(variant) + ".hpp").c_str()), std::regex("\n *///"),
+                              "");
+}
 /// "per update d^3/6 + 3.5 d^2 + O(d) multiplications" as {1/6, 3.5}; a row of a block counts as an update.
-std::array<double, 2> claimed(std::string_view variant) {
-    std::string const text =
-        std::regex_replace(text_of(("/variants/" + std::string(variant) + ".hpp").c_str()), std::regex("\n *///"), "");
+std::array<double, 2> claimed(std::string_view variant,
+                              char const* where = "per (?:update|row) ([^:]*?) multiplications") {
+    std::string const text = docstring(variant);
     std::smatch claim;
     std::array<double, 2> out{};
-    if (!std::regex_search(text, claim, std::regex("per (?:update|row) ([^:]*?) multiplications"))) return out;
+    if (!std::regex_search(text, claim, std::regex(where))) return out;
     std::regex const term("([0-9.]*) ?d\\^([23])(?:/([0-9]+))?");
     std::string const terms = std::regex_replace(claim.str(1), std::regex("O\\([^)]*\\)"), "");
     for (std::sregex_iterator it(terms.begin(), terms.end(), term), end; it != end; ++it) {
@@ -75,10 +82,10 @@ std::array<double, 2> claimed(std::string_view variant) {
 }
 
 /// The coefficients of d^3 and d^2 from the counts at four sizes: differences of a polynomial.
-std::array<double, 2> measured(std::string_view variant) {
+std::array<double, 2> measured(auto multiplications) {
     constexpr double h = 16;
     double m[4];
-    for (int k = 0; k < 4; ++k) m[k] = double(cost(variant, Index(h) * (k + 1))->update.multiplications);
+    for (int k = 0; k < 4; ++k) m[k] = double(multiplications(Index(h) * (k + 1)));
     double const cubic = (m[3] - 3 * m[2] + 3 * m[1] - m[0]) / (6 * h * h * h);
     double const square = ((m[2] - 2 * m[1] + m[0]) - 6 * cubic * h * h * 2 * h) / (2 * h * h);
     return {cubic, square};
@@ -88,12 +95,40 @@ TEST(Docstrings, StateTheMultiplicationsThatAreCounted) {
     std::set<std::string_view> seen;
     for (CatalogueEntry const& entry : catalogue()) {
         if (!seen.insert(entry.variant).second || !cost(entry.variant, 4)) continue;
-        auto const said = claimed(entry.variant), counted = measured(entry.variant);
+        auto const said = claimed(entry.variant),
+                   counted = measured([&](Index d) { return cost(entry.variant, d)->update.multiplications; });
         EXPECT_NEAR(said[0], counted[0], 0.01) << entry.variant << ": d^3";
         // O(d^2) beside a cubic term may stand for any square; a block's counts are whole numbers a row.
         double const allowed = said[0] >= 1 ? 1e9 : entry.block > 1 ? 0.05 : 0.005;
         EXPECT_NEAR(said[1], counted[1], allowed) << entry.variant << ": d^2";
     }
+}
+/// "2 d square roots"; a form that does not speak of roots has one at most.
+TEST(Docstrings, StateTheSquareRootsThatAreCounted) {
+    std::set<std::string_view> seen;
+    for (CatalogueEntry const& entry : catalogue()) {
+        if (!seen.insert(entry.variant).second || !cost(entry.variant, 10)) continue;
+        std::string const text = docstring(entry.variant);
+        std::smatch claim;
+        bool const said = std::regex_search(text, claim, std::regex("([0-9]*) ?\\bd square roots"));
+        long const counted = cost(entry.variant, 10)->update.square_roots,
+                   factor = said && claim.length(1) ? std::stol(claim.str(1)) : 1;
+        EXPECT_EQ(counted, said ? 10 * factor : std::min(counted, 1L)) << entry.variant;
+    }
+}
+/// The update after rows without report factors and solves twice.
+TEST(Docstrings, StateWhatInformationOwesAfterRowsWithoutReport) {
+    auto const owed = measured([](Index d) {
+        using T = Counted<double>;
+        Information<T> f(Problem<T>{.size = d});
+        Vector<T> const psi = Vector<T>::Constant(d, T(1));
+        auto const update = [&] { return counted([&] { f.update(psi, T(1)); }).multiplications; };
+        long const usual = update();
+        f.accumulate(psi, T(1));
+        return update() - usual;
+    });
+    auto const said = claimed("information", "another ([^)]*)\\)");
+    for (int power : {0, 1}) EXPECT_NEAR(said[size_t(power)], owed[size_t(power)], 0.01) << power;
 }
 
 }  // namespace

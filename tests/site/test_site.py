@@ -88,6 +88,12 @@ class Formulas(unittest.TestCase):
         self.assertEqual(header.latex(header.cut("sqrt(lambda)^B x_{i+1}' <= |K_j|^2, and for each")),
                          r"{\sqrt{\lambda}}^{B} x_{i+1}' \le | K_{j} |^{2},\ \text{and for each}")
 
+    def test_a_row_wider_than_a_column_is_cut(self):
+        self.assertEqual(header.fitting(r"x = 1: \quad y = 2,\quad z = 3", 15), [r"x = 1: \quad y = 2,\quad z = 3"])
+        self.assertEqual(header.fitting(r"x = 1: \quad y = 2,\quad z = 3", 14), ["x = 1:", r"y = 2,\quad z = 3"])
+        self.assertEqual(header.fitting(r"x = 1,\quad y = 2,\quad z = 3", 14), [r"x = 1,\quad y = 2,", "z = 3"])
+        self.assertEqual(header.fitting(r"x = 1,\quad y = 2", 2), ["x = 1,", "y = 2"])
+
 
 class Sources(unittest.TestCase):
     @classmethod

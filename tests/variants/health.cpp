@@ -31,6 +31,9 @@ TEST(Health, AnUnderflowOfGammaIsSound) {
         EXPECT_EQ(definiteness(f->stored()), Health::sound) << variant;
         EXPECT_EQ(name_of(step.health), "sound") << variant;
     }
+    auto const little = entry_of("conventional", "double").make(laws::problem(1, 1e-100, 1e250), Seed{1});
+    Step<double> const step = little->update(Row{{1.0}}, 1.0);
+    EXPECT_TRUE(step.gamma == 0 && step.health == Health::sound);
     auto const conventional = entry_of("conventional", "double").make(p, Seed{1});
     EXPECT_EQ(name_of(conventional->update(Row{{1e90, 0.0}}, 1.0).health), "nonfinite");  // s itself overflows
 }
@@ -112,6 +115,24 @@ TEST(Health, CarlsonKeepsItsFactorUnderALargePrior) {
     laws::Errors const e = laws::errors(entry, laws::problem(3, 1, 0x1p80), laws::noise_records(3, 30, Seed{3}));
     EXPECT_LE(e.theta, 1e4);
     EXPECT_LE(e.covariance, 1e4);
+}
+
+/// docs/theory.md 44: P stays semidefinite, but one row of a scalar problem leaves 0, and no report says so. A product
+/// of positive numbers does not (112).
+TEST(Health, PottersRootMayBecomeSingularUnderALargePrior) {
+    auto const after_two_rows = []<class F>(std::type_identity<F>, Index bits) {
+        using T = typename F::scalar;
+        F f(Problem<T>{.size = 1, .prior = Prior<T>{.variance = std::ldexp(T(1), int(2 * bits))}});
+        for (int k = 0; k < 2; ++k) {
+            Step<T> const step = f.update(Vector<T>{{T(1)}}, T(1));
+            EXPECT_TRUE(step.health == Health::sound && T(0) < step.gamma && step.gamma <= T(1)) << F::name;
+        }
+        return f.covariance()(0, 0);
+    };
+    for (Index c : {24, 25, 40}) EXPECT_EQ(after_two_rows(std::type_identity<Potter<float>>{}, c), 0);
+    for (Index c : {53, 54, 200}) EXPECT_EQ(after_two_rows(std::type_identity<Potter<double>>{}, c), 0);
+    EXPECT_NEAR(after_two_rows(std::type_identity<Potter<double>>{}, 20), 0.5, 1e-6);
+    EXPECT_NEAR(after_two_rows(std::type_identity<Carlson<double>>{}, 200), 0.5, 1e-15);
 }
 
 /// A row without a report: theta and the gain are those of a row with one, though nothing has been solved yet.
