@@ -61,11 +61,12 @@ void add(Baselines& all, Baseline const& now) {
     for (auto const& [name, ratio] : now.rows)
         if (auto const old = before.rows.find(name); old != before.rows.end() && name != unit_row)
             factors.push_back(ratio.middle / old->second.middle);
-    double const factor = factors.empty() ? 0 : spread(factors).middle;
+    if (factors.empty()) throw std::runtime_error("expected rows of the baseline in the run, beside the unit");
+    double const factor = spread(factors).middle;
     if (!(std::abs(factor - 1) <= 0.05))
-        throw std::runtime_error(fmt::format(
-            "expected rows of the baseline in the run, to stand as they did; the median of {} is {:.3g} of what it was",
-            factors.size(), factor));
+        throw std::runtime_error(
+            fmt::format("expected the old rows within 5 % of the baseline; the median of {} is {:.3f} of what it was",
+                        factors.size(), factor));
     before.rows.insert(now.rows.begin(), now.rows.end());
 }
 
