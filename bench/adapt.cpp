@@ -12,6 +12,7 @@
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/ud_delta.hpp>
 
 namespace rlslab::bench {
 namespace {
@@ -63,11 +64,11 @@ void add_state(Index size) {
 Rows const added([] {
     using T = double;
     for (Index const size : {4, 16, 32, 64, 128}) {
-        for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Ud<T>, InverseQr<T>, Qr<T>>{},
+        for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Ud<T>, UdDelta<T>, InverseQr<T>, Qr<T>>{},
                  [size]<class F>() { add_filter_row<Guarded<F>>("guard", size); });
-        for_each(TypeList<Conventional<T>, Symmetric<T>, Ud<T>, Qr<T>, Gentleman<T>>{},
+        for_each(TypeList<Conventional<T>, Symmetric<T>, Ud<T>, UdDelta<T>, Qr<T>, Gentleman<T>>{},
                  [size]<class F>() { add_window<F>(size); });
-        for_each(TypeList<Ud<T>, Qr<T>>{}, [size]<class F>() { add_state<F>(size); });
+        for_each(TypeList<Ud<T>, UdDelta<T>, Qr<T>>{}, [size]<class F>() { add_state<F>(size); });
     }
 });
 

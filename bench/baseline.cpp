@@ -3,6 +3,7 @@
 #include "bench/results.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <stdexcept>
 
@@ -52,6 +53,21 @@ void record(Baselines& all, Baseline now) {
     auto const same = std::ranges::find(all, now.machine, &Baseline::machine);
     if (same != all.end()) *same = std::move(now);
     else all.push_back(std::move(now));
+}
+
+void add(Baselines& all, Baseline const& now) {
+    Baseline& before = all[size_t(&of_machine(all, now.machine) - all.data())];
+    std::vector<double> factors;
+    for (auto const& [name, ratio] : now.rows)
+        if (auto const old = before.rows.find(name); old != before.rows.end() && name != unit_row)
+            factors.push_back(ratio.middle / old->second.middle);
+    if (factors.empty()) throw std::runtime_error("expected rows of the baseline in the run, beside the unit");
+    double const factor = spread(factors).middle;
+    if (!(std::abs(factor - 1) <= 0.05))
+        throw std::runtime_error(
+            fmt::format("expected the old rows within 5 % of the baseline; the median of {} is {:.3f} of what it was",
+                        factors.size(), factor));
+    before.rows.insert(now.rows.begin(), now.rows.end());
 }
 
 std::string names_of(Baselines const& all) {

@@ -37,6 +37,9 @@ Baseline baseline_of(std::string const& run_json);
 using Baselines = std::vector<Baseline>;
 /// In place of the one of its kind of machine, or behind the others.
 void record(Baselines& all, Baseline now);
+/// The rows that the one of its kind of machine has not; the others keep their numbers. Throws std::runtime_error as
+/// of_machine, and unless the rows of both stand alike: the median of their factors is within a twentieth of 1.
+void add(Baselines& all, Baseline const& now);
 /// "a processor, avx2, g++ 12.2.0 (871 rows); ...", or "none".
 std::string names_of(Baselines const& all);
 /// Throws std::runtime_error, with the kinds that were recorded, where this one was not.

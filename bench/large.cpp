@@ -17,8 +17,11 @@ Rows const added([] {
     add<Conventional<double>>();
     add<Symmetric<double>>();
     add<Ud<double>>();
+    add<UdDelta<double>>();
     add<Carlson<double>>();
     add<InverseQr<double>>();
+    add_large_rows<CarlsonDelta<double>>();
+    add_large_rows<InverseQrDelta<double>>();
     add_large_rows<Potter<double>>();
     add_large_rows<Qr<double>>();
     add_large_rows<Gentleman<double>>();

@@ -19,6 +19,7 @@ constexpr char verbs[] = R"(expected one of
   page RUN.json PAGE.html     plots and tables of a run
   check RUN.json BASELINE     what became slower since, on this kind of machine
   record RUN.json BASELINE    makes the run the baseline of its kind of machine
+  add RUN.json BASELINE       adds the rows that the baseline of its kind of machine has not
   limits RUN.json BASELINE    the run's machine, those that were recorded, and how the run stands to the limits of
                               docs/speed.md
   table RUN.json              nanoseconds at 4 to 256 parameters beside dlib, and parameters at 48 and 16 kHz, as
@@ -72,13 +73,13 @@ int main(int argc, char** argv) try {
         return 0;
     }
     if (verb == "table" && argc == 3) return fmt::print("{}", table_of_times(of_run(argv[2], run_of))), 0;
-    if ((verb != "check" && verb != "record") || argc != 4) throw std::runtime_error(verbs);
+    if ((verb != "check" && verb != "record" && verb != "add") || argc != 4) throw std::runtime_error(verbs);
     Baseline const now = of_run(argv[2], baseline_of);
     Baselines all = recorded(argv[3]);
     if (verb == "check") return check(of_machine(all, now.machine), now);
-    record(all, now);
+    verb == "add" ? add(all, now) : record(all, now);
     rlslab::replace_file(argv[3], written(all));
-    fmt::print("{} rows recorded of {}\n", now.rows.size(), now.machine);
+    fmt::print("{} rows recorded of {}\n", of_machine(all, now.machine).rows.size(), now.machine);
     return 0;
 } catch (std::exception const& error) {
     fmt::print(stderr, "rlslab_bench: {}\n", error.what());

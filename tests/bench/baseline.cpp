@@ -94,6 +94,28 @@ TEST(BenchBaseline, OfOneKindOfMachineLeavesTheOthers) {
                     testing::AllOf(testing::HasSubstr("another, avx2, a compiler"), testing::HasSubstr(names_of(all))));
     }
 }
+/// Rows of a later run beside those of an earlier one.
+TEST(BenchBaseline, TakesNewRowsWhereTheOldOnesStandAsTheyDid) {
+    auto const with_new_row = [](double factor) {
+        Baseline now = baseline_of(run(quiet, factor));
+        now.rows["update/ud/double/16"].middle *= factor;
+        now.rows["update/ud_delta/double/16"] = {11, 12, 13};
+        return now;
+    };
+    Baselines all{baseline_of(run(quiet))};
+    Baseline const before = all[0];
+    EXPECT_THROW(add(all, with_new_row(1.06)), std::runtime_error);
+    EXPECT_THROW(add(all, with_new_row(0.94)), std::runtime_error);
+    Baseline alone = with_new_row(1);
+    alone.rows.erase("update/ud/double/16");
+    EXPECT_THROW(add(all, alone), std::runtime_error) << "no old row says how the machine is";
+    EXPECT_THROW(add(all, baseline_of(run(quiet, 1, 1, "avx512"))), std::runtime_error) << "another machine";
+    EXPECT_EQ(all[0].rows, before.rows);
+    add(all, with_new_row(1.04));
+    EXPECT_EQ(all[0].rows.size(), 3u);
+    EXPECT_EQ(all[0].rows.at("update/ud/double/16"), before.rows.at("update/ud/double/16"));
+    EXPECT_EQ(all[0].rows.at("update/ud_delta/double/16").middle, 12);
+}
 /// The file of the tree: what was recorded is still there.
 TEST(BenchBaseline, OfTheTreeIsReadAndWrittenAsItStands) {
     std::string const path = RLSLAB_SOURCE_DIR "/bench/baseline.json";

@@ -21,11 +21,13 @@ measure() {    # measure MACHINE FLAGS...: text bytes and instructions of 1000 u
 }
 printf '| filter | option | M3: instructions | code | M4F: instructions | code | M7: instructions | code |\n'
 printf '|---|---|---|---|---|---|---|---|\n'
-for filter in "Ud<float, 3>" "Ud<float, 5>" "Ud<float, 10>" \
-    "Ud<double, 5>" "Carlson<float, 5>" "Qr<float, 5>" "Conventional<float, 5>"; do
+for filter in "Ud<float, 3>" "Ud<float, 5>" "Ud<float, 10>" "Ud<double, 5>" \
+    "UdDelta<float, 3>" "UdDelta<float, 5>" "UdDelta<float, 10>" "UdDelta<double, 5>" \
+    "Carlson<float, 5>" "CarlsonDelta<float, 5>" "InverseQr<float, 5>" "InverseQrDelta<float, 5>" \
+    "Qr<float, 5>" "Conventional<float, 5>"; do
   size=${filter//[^0-9]/}
   for option in -Os -O2 -O3; do
-    [[ $option == -O2 || $filter == "Ud<float, 5>" ]] || continue
+    [[ $option == -O2 || $filter =~ ^Ud(Delta)?"<float, 5>" ]] || continue
     row="| \`$filter\` | \`$option\` |"
     for machine in "mps2-an385 -mcpu=cortex-m3" "mps2-an386 -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16" \
         "mps2-an500 -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16"; do

@@ -229,7 +229,8 @@ class Sources(unittest.TestCase):
         self.assertGreater(len(rows), 5)
         for kind, word, d, cells in rows:
             counts = [int(c) for c in cells.split("|")][::2]
-            self.assertEqual([known[kind.lower()][b][word][d] for b in ("m3", "m4f", "m7")], counts)
+            name = re.sub(r"\B(?=[A-Z])", "_", kind).lower()
+            self.assertEqual([known[name][b][word][d] for b in ("m3", "m4f", "m7")], counts)
 
     def test_a_dead_link_and_a_request_are_found(self):
         with tempfile.TemporaryDirectory() as folder:

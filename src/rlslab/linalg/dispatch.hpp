@@ -212,14 +212,15 @@ void dispatch(Kernel const& kernel);
 }  // namespace kernels
 
 /// Runs the kernel. N: its d if that is fixed, or Dynamic. Small kernels are inlined, because a call would take a large
-/// part of their time.
+/// part of their time; their text pays where there are no registers, too (docs/embedded.md).
 template <class T, int N, class Kernel>
 [[gnu::always_inline]] inline void run_kernel(Kernel const& kernel) {
     using namespace kernels;
-    if constexpr (!Hardware<T>) {
-        portable::evaluate<portable::Any<Kernel, T>>(kernel);
-    } else if constexpr (N != Dynamic && N <= small_up_to && requires { portable::evaluate_small<N, T>(kernel); }) {
+    constexpr bool native = std::same_as<T, float> || std::same_as<T, double>;
+    if constexpr (native && N != Dynamic && N <= small_up_to && requires { portable::evaluate_small<N, T>(kernel); }) {
         portable::evaluate_small<N, T>(kernel);
+    } else if constexpr (!Hardware<T>) {
+        portable::evaluate<portable::Any<Kernel, T>>(kernel);
     } else if constexpr (N != Dynamic && N <= 4) {
         portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
     } else if constexpr (N != Dynamic && N <= 8) {

@@ -14,7 +14,7 @@
 namespace rlslab {
 
 /// The arithmetics whose kernels are compiled for the machine's registers. A Cortex-M has none that hold several
-/// numbers: there the text for any arithmetic takes about half the instructions, and leaves the same bits.
+/// numbers: beyond eight parameters the text for any arithmetic takes fewer instructions there, with the same bits.
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 template <class T>
 concept Hardware = false;

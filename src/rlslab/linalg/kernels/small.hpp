@@ -4,15 +4,16 @@
 
 /// How N rows are held: the first `wide` in registers, the others one by one, in each kernel alike, because a number
 /// that is stored with its neighbour and read alone, or the other way round, waits in the store buffer. For two rows a
-/// register is slower than two numbers. Clang packs numbers into registers itself; given a register times a number, it
-/// loads that number together with its neighbour in memory, too early.
+/// register is slower than two numbers, and on a Cortex-M, which has none for several, all are numbers. Clang packs
+/// numbers into registers itself; given a register times a number, it loads that number together with its neighbour in
+/// memory, too early.
 template <class T, int N>
 struct SmallRows {
     using Wide = SimdBlock<T, 16, 16 / int(sizeof(T))>;
 #ifdef __clang__
     static constexpr int wide = 0;
 #else
-    static constexpr int wide = N <= 2 ? 0 : N / Wide::rows * Wide::rows;
+    static constexpr int wide = N <= 2 || !Hardware<T> ? 0 : N / Wide::rows * Wide::rows;
 #endif
     using Blocks = std::make_integer_sequence<int, wide / Wide::rows>;
     using Rest = std::make_integer_sequence<int, N - wide>;
