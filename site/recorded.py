@@ -22,7 +22,7 @@ step, top, left, glyph = 17, 52, 16, 7.25    # of a line, in pixels, and of a le
 wide, narrow, rows = 98, 52, 42    # columns, and rows that are seen
 telephone = 560    # pixels: a picture that is drawn in fewer is the narrow one
 style = f""".t{{font:12px ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace;fill:#d7dae0;white-space:pre}}
-.p{{fill:#8fd19e}}.b{{fill:#fff;font-weight:600}}.l{{animation:show 3s 4s}}@keyframes show{{0%,99.9%{{opacity:0}}}}
+.p{{fill:#8fd19e}}.b{{fill:#fff;font-weight:600}}.l{{animation:show 3s 4s}}@keyframes show{{0%,99.9%{{opacity:.2}}}}
 .y{{animation:type 1.6s steps(100) 4s}}@keyframes type{{from{{width:0}}}}
 @media(prefers-reduced-motion:reduce),print{{.l,.y{{animation:none!important}}}}
 #n{{display:none}}@media(max-width:{telephone}px){{#w{{display:none}}#n{{display:inline}}}}"""
