@@ -55,10 +55,9 @@ void define_record(CLI::App& command, RecordArguments& a) {
     command.add_option("--delay", a.delay, "samples from input to output")
         ->check(CLI::Validator(
             [](std::string& text) {
-                return text.find(',') == text.npos
-                           ? ""
-                           : "expected one number for all inputs; delays of each are lags: "
-                             "--regressors y[k-1],u[k-3],v[k-1]";
+                return text.find(',') == text.npos ? ""
+                                                   : "expected one number for all inputs; delays of each are lags: "
+                                                     "--regressors y[k-1],u[k-3],v[k-1]";
             },
             ""))
         ->check(whole(0, 1000000))
