@@ -47,7 +47,8 @@ namespace {
 /// "ud is 0.5 digits below the best form in P", or, behind another such text, "conventional 2.8 in P".
 std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next, bool first) {
     std::string const who = next ? fmt::format("the next, {},", loss.variant) : loss.variant;
-    if (std::isfinite(loss.digits) && loss.digits < 0.05) return who + (first ? " is the best form" : " is as good");
+    if (std::isfinite(loss.digits) && loss.digits < 0.05)
+        return who + (first ? " is as good as the best form" : " is as good");
     if (std::isfinite(loss.digits))
         return fmt::format("{} {}{:.1f}{} in {}", who, first ? "is " : "", loss.digits,
                            first ? " digits below the best form" : "", loss.of);

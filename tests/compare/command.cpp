@@ -326,7 +326,7 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
     for (std::string const& said :
          {std::string("as stored: lambda 1, rank 5 of 5"), std::string("<th>asymmetry</th>"),
           "<tr class=\"strong\"><td>★ " + best + "</td>", std::string("class=\"strong\"><svg class=\"key\""),
-          std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string("; conventional loses "),
+          std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string(" digits below the best form in "),
           "digits of theta, float (24 bits): ★ " + best + ", in the code"})
         EXPECT_THAT(page, HasSubstr(said));
     for (char const* loads : {"src=", "<link", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(loads)));

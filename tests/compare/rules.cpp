@@ -159,7 +159,7 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     Made equal;
     equal.add("ud", {11, 11, 11});
     equal.add("carlson", {11, 11, 11}, true, "covariance", 101);
-    EXPECT_THAT(said(equal), Names("next carlson nothing"));
+    EXPECT_THAT(said(equal), Names("next carlson good"));
     Made alone;
     alone.add("conventional", {11, 11, 11});
     EXPECT_THAT(said(alone), testing::AllOf(Names("100"), testing::Not(Names("next"))));
