@@ -219,12 +219,12 @@ def verdicts():
     yield r"\newcommand{\verdictsturn}{%s}" % none_or(sum({a, b} == {"holds", "fails"} for a, b in other))
     failing = ""
     for study, n, text, verdict in claims:
-        text = leans_on(study, list(full[study]), n) + text
-        yield defined("leans@%s@%d" % (study, n), tex(leans_on(study, list(full[study]), n)))
-        two = second.get(study, {}).get(list(full[study])[n - 1], "not run")
+        lean = leans_on(study, list(full[study]), n)
+        yield defined("leans@%s@%d" % (study, n), tex(lean))
+        two = second.get(study, {}).get(text, "not run")
         yield defined("recorded@%s@%d" % (study, n), verdict if verdict == two else verdict + ", " + two)
         if verdict == "fails":
-            failing += r"\texttt{%s} %d & %s & %s\\" % (tex(study), n, tex(text), two) + "\n"
+            failing += r"\texttt{%s} %d & %s & %s\\" % (tex(study), n, tex(lean + text), two) + "\n"
     yield r"\newcommand{\failing}{%s}" % failing
 
 
