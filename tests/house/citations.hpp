@@ -251,8 +251,7 @@ inline Faults links(Tree const& tree, std::string const& path, std::string const
 /// test; studies exist.
 inline Faults names(Tree const& tree, std::string const& path, std::string const& text) {
     Faults out;
-    if (!path.ends_with(".md") || path == "CHANGELOG.md" || path == "docs/history.md")
-        return out;  // these two describe the past
+    if (!path.ends_with(".md") || path == "CHANGELOG.md") return out;  // which describes the past
     std::string const flat = flattened(without_fences(text));
     each(flat, "(One file, )?`<?([^`\\s<>]+)>?`", [&](std::smatch const& m) {
         std::string const name = m[2];

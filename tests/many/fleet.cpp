@@ -71,11 +71,11 @@ TEST(Fleet, EachFilterHasItsBitsWhateverTheOthersMiss) {
         }
 }
 
-/// A record keeps the members that its form names; a number that it left out would be another filter's.
+/// A record keeps the members that its form names; a number that it left out would be another filter's. (At a size that
+/// is not known the members are the same.)
 template <template <class, int> class V>
 void expect_records_to_hold_all() {
     expect_the_bits_of_each_alone<V<Pack<double, 8>, 3>, V<double, 3>>(20, 84, 1);
-    expect_the_bits_of_each_alone<V<Pack<double, 8>, Dynamic>, V<double, Dynamic>>(20, 85, 1);
 }
 TEST(Fleet, KeepsOfEachVariantWhatItNeeds) {
     expect_records_to_hold_all<Conventional>();
@@ -94,7 +94,7 @@ TEST(Fleet, KeepsOfEachVariantWhatItNeeds) {
     expect_records_to_hold_all<Kalman>();
 }
 /// Filter 3 overflows at its first row. The others, which are computed in the same memory, do not notice.
-template <template <class, int> class V, int N>
+template <template <class, int> class V, int N = 3>
 void expect_a_breakdown_to_stay_alone() {
     Index const filters = 19, d = 3;
     Problem<double> const p{.size = d, .forgetting = 0.99};
@@ -118,21 +118,17 @@ void expect_a_breakdown_to_stay_alone() {
         EXPECT_EQ(fleet.health(i), Health::sound) << One::name << " " << i;
     }
 }
-template <template <class, int> class V>
-void expect_breakdowns_to_stay_alone() {
-    expect_a_breakdown_to_stay_alone<V, 3>();
-    expect_a_breakdown_to_stay_alone<V, Dynamic>();
-}
 TEST(Fleet, ABreakdownStaysAlone) {
-    expect_breakdowns_to_stay_alone<Conventional>();
-    expect_breakdowns_to_stay_alone<Symmetric>();
-    expect_breakdowns_to_stay_alone<Potter>();
-    expect_breakdowns_to_stay_alone<Carlson>();
-    expect_breakdowns_to_stay_alone<Ud>();
-    expect_breakdowns_to_stay_alone<InverseQr>();
-    expect_breakdowns_to_stay_alone<Qr>();
-    expect_breakdowns_to_stay_alone<Gentleman>();
-    expect_breakdowns_to_stay_alone<Information>();
+    expect_a_breakdown_to_stay_alone<Conventional>();
+    expect_a_breakdown_to_stay_alone<Symmetric>();
+    expect_a_breakdown_to_stay_alone<Potter>();
+    expect_a_breakdown_to_stay_alone<Carlson>();
+    expect_a_breakdown_to_stay_alone<Ud>();
+    expect_a_breakdown_to_stay_alone<InverseQr>();
+    expect_a_breakdown_to_stay_alone<Qr>();
+    expect_a_breakdown_to_stay_alone<Gentleman>();
+    expect_a_breakdown_to_stay_alone<Information>();
+    expect_a_breakdown_to_stay_alone<Ud, Dynamic>();
 }
 TEST(Fleet, HoldsWhatPersistsAlone) {  // theta, D and what is above U's diagonal; theta and P
     Problem<double> const p{.size = 4};

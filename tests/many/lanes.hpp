@@ -1,19 +1,77 @@
-// What the tests of lanes share: the rows and the problem of each filter, and equality of bits.
+// What the tests of lanes and fleets share: the rows and the problem of each filter, and equality of bits.
+//
+// A pack is compiled anew for each variant, rule, policy and shape. What a shape (the number of lanes, float or double,
+// a size that the compiler knows or not) does is the same text for all of them, and so is what a rule does to a shape:
+// each variant with each rule or policy is tried in one shape, each other shape with one variant.
 #pragma once
 
-#include "tests/common/laws.hpp"
-
 #include <rlslab/core/random.hpp>
+#include <rlslab/core/step.hpp>
+#include <rlslab/state/lanes.hpp>
 
+#include <gtest/gtest.h>
+
+#include <cmath>
 #include <limits>
 
 namespace rlslab::lanes {
 
 inline constexpr Index d = 3;
 
-template <class T>
-bool same(T const& a, T const& b) {
-    return laws::identical(Reference(a), Reference(b));
+/// The numbers of a lane and of the scalar filter that has its rows. Compared here: no expectation is compiled once for
+/// each pair of types.
+class Twins {
+    std::vector<double> lane_, alone_;
+
+public:
+    void add(double of_lane, double of_one) { lane_.push_back(of_lane), alone_.push_back(of_one); }
+    void add(Health of_lane, Health of_one) { add(double(of_lane), double(of_one)); }
+    template <class A, class B>
+    void add_all(A const& of_lane, B const& of_one) {
+        for (Index i = 0; i < Index(of_one.size()); ++i) add(double(of_lane[i]), double(of_one[i]));
+        add(double(of_lane.size()), double(of_one.size()));
+    }
+    void add(detail::LaneRead const& of_lane, detail::LaneRead const& of_one) {
+        lane_.insert(lane_.end(), of_lane.values.begin(), of_lane.values.end());
+        alone_.insert(alone_.end(), of_one.values.begin(), of_one.values.end());
+    }
+    /// Where they part first, or nothing; NaN is one NaN. They are then forgotten.
+    std::string parted() {
+        std::vector<double> const a = std::move(lane_), b = std::move(alone_);
+        lane_ = {}, alone_ = {};
+        if (a.size() != b.size()) return std::to_string(a.size()) + " numbers and " + std::to_string(b.size());
+        for (size_t i = 0; i < a.size(); ++i)
+            if (a[i] != b[i] && !(std::isnan(a[i]) && std::isnan(b[i])))
+                return "number " + std::to_string(i) + ": " + std::to_string(a[i]) + " and " + std::to_string(b[i]);
+        return {};
+    }
+    /// Whether they are one; a failure of the test where they are not.
+    bool agree(std::string_view name, Index row, Index filter) {
+        std::string const where = parted();
+        if (where.empty()) return true;
+        ADD_FAILURE() << name << ", row " << row << ", filter or lane " << filter << ", " << where;
+        return false;
+    }
+};
+/// Everything that a lane and the scalar filter hold.
+template <class Together, class One>
+void add_states(Twins& twins, Together& together, int lane, One& one) {
+    detail::LaneRead of_lane(lane), of_one(0);
+    detail::walk(of_lane, together);
+    detail::walk(of_one, one);
+    twins.add(of_lane, of_one);
+}
+/// The step of a lane and that of the scalar filter.
+template <class T, class P>
+void add_steps(Twins& twins, Step<P> const& step, int lane, Step<T> const& one) {
+    twins.add(step.health[lane], one.health);
+    twins.add(step.innovation[lane], one.innovation);
+    twins.add(step.residual[lane], one.residual);
+    twins.add(step.gamma[lane], one.gamma);
+}
+template <class P, class T>
+void add_lanes(Twins& twins, P const& of_pack, int lane, T const& of_one) {
+    for (Index j = 0; j < of_one.size(); ++j) twins.add(of_pack[j][lane], of_one[j]);
 }
 /// Bounds that a filter of floats keeps in double, and a pack of them in float: no bit of the answers depends on them.
 template <class F>
