@@ -76,12 +76,13 @@ void take_choice(int& argc, char** argv) {
     }
     argc = kept;
     if (out.made) {
-        static std::vector<Index> const compiled{2, 3, 4, 6, 8};
+        std::vector<Index> const compiled(fixed_sizes.begin(), fixed_sizes.end());
         out.sizes = !sizes.empty() ? sizes : out.fixed ? compiled : std::vector<Index>{4, 16, 64};
         if (!out.in_float) out.in_double = true;
         if (out.fixed && out.in_float) throw std::runtime_error("--fixed: is in double; it does not go with --float");
         if (out.fixed && !std::ranges::includes(compiled, out.sizes))
-            throw std::runtime_error("--fixed: the sizes that are compiled are 2, 3, 4, 6 and 8");
+            throw std::runtime_error(
+                fmt::format("--fixed: expected sizes among {}, which are compiled", fmt::join(fixed_sizes, ", ")));
         choice() = out;
     }
 }

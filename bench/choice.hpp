@@ -3,10 +3,19 @@
 
 #include <rlslab/core/problem.hpp>
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace rlslab::bench {
+
+/// The sizes of the rows fixed/: all of them where times are quoted from (compiled for one machine's instruction set);
+/// elsewhere one of registers alone and one of loops show that they compile.
+#ifdef RLSLAB_BENCH_EVERY_SIZE
+inline constexpr std::array fixed_sizes{2, 3, 4, 6, 8};
+#else
+inline constexpr std::array fixed_sizes{4, 8};
+#endif
 
 /// The parts of a row's name, or of a list.
 std::vector<std::string> split(std::string const& text, char at);
@@ -30,7 +39,7 @@ Choice& choice();
 /// Takes our options out of argv:
 ///   --sizes LIST    parameters, whole numbers from 1 to 512 (4,16,64)
 ///   --double, --float  the variants' arithmetics (double)
-///   --fixed         the variants whose size the compiler knows, in double, at --sizes of 2, 3, 4, 6, 8 (all of these)
+///   --fixed         the variants whose size the compiler knows, in double, at --sizes among fixed_sizes (all of these)
 ///   --mine          nothing more than the choice: the class of one's own is compiled in
 ///   --csv FILE      the table as CSV, too
 /// Throws std::runtime_error, with a line for people, for a value that cannot be used.
