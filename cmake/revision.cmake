@@ -1,6 +1,7 @@
 # Writes the definitions of report/revision.hpp when what they say has changed:
 # cmake -DSOURCE_DIR= -DOUT= -DCOMPILER= -DVERSION= [-DREVISION=] -P revision.cmake
-# REVISION: what the revision is where there is no repository (a tarball, a package's build); it goes before git's.
+# REVISION: what the revision is where there is no repository (a package's build); it goes before git's. An archive of
+# git's has its commit in cmake/archived.txt.
 set(revision "${REVISION}")
 if(revision STREQUAL "")
   execute_process(COMMAND git -C ${SOURCE_DIR} rev-parse --show-prefix OUTPUT_VARIABLE inside
@@ -9,6 +10,10 @@ if(revision STREQUAL "")
     execute_process(COMMAND git -C ${SOURCE_DIR} describe --always --dirty --abbrev=12 OUTPUT_VARIABLE revision
       OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   endif()
+endif()
+if(revision STREQUAL "")    # written by `git archive` (.gitattributes)
+  file(STRINGS ${SOURCE_DIR}/cmake/archived.txt revision REGEX "^[0-9a-f]+$")
+  string(SUBSTRING "${revision}" 0 12 revision)
 endif()
 if(revision STREQUAL "")
   set(revision "of no repository")

@@ -5,8 +5,8 @@ namespace rlslab::report {
 
 /// Of the project: "0.2.0".
 extern char const* const version;
-/// `git describe` of the tree when it was built, or what -DRLSLAB_REVISION= said; "of no repository" where neither is
-/// known. cmake/revision.cmake writes the file that defines all three.
+/// `git describe` of the tree when it was built, or what -DRLSLAB_REVISION= said, or an archive of git's; "of no
+/// repository" where none is known. cmake/revision.cmake writes the file that defines all three.
 extern char const* const revision;
 /// Name, version, kind of build, and the option that keeps rounding as written.
 extern char const* const compiler;

@@ -6,7 +6,7 @@
 #pragma once
 
 #include <rlslab/core/random.hpp>
-#include <rlslab/core/step.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/state/lanes.hpp>
 
 #include <gtest/gtest.h>

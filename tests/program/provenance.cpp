@@ -62,7 +62,8 @@ TEST_F(Program, SaysItsVersionAsJson) {
     json const said = json::parse(shell("rlslab --version --json").out);
     for (char const* key : {"version", "revision", "compiler", "instruction_set"}) EXPECT_TRUE(said.contains(key));
     EXPECT_THAT(shell("rlslab --version").out, HasSubstr(said.at("version").get<std::string>()));
-    EXPECT_THAT(shell("rlslab --version").out, HasSubstr(said.at("revision").get<std::string>()));
+    std::string const revision = said.at("revision"), line = shell("rlslab --version").out;
+    EXPECT_THAT(line, revision == "of no repository" ? Not(HasSubstr("(")) : HasSubstr("(" + revision + ")"));
     refused("--json", "--json: expected behind --version or a command");
 }
 
