@@ -14,6 +14,7 @@ import check
 import first_pages
 import pages
 from header import root
+import type_tables    # of docs/, where api found it
 
 here = pathlib.Path(__file__).resolve().parent
 live = root / "build/live/index.html"    # ./lab live
@@ -25,7 +26,8 @@ ours = [p for kind in ("*.md", "docs/*.md", "docs/decisions/*.md", "examples/**/
 def sources():
     """path in the tree -> text of each page."""
     of = pages.Shared()
-    out = {str(p.relative_to(root)): p.read_text() for p in ours}
+    out = {"docs/types.md": type_tables.made()}
+    out |= {str(p.relative_to(root)): p.read_text() for p in ours}
     out |= {f"variants/{h.name}.md": pages.variant_page(h, of) for h in of.headers}
     out |= {f"studies/{s['name']}.md": pages.study_page(s, of.links) for s in of.studies}
     out |= {"variants/index.md": pages.variant_index(of), "studies/index.md": pages.study_index(of)}
@@ -60,8 +62,8 @@ class Site:
             return link
         path, _, part = link.partition("#")
         whole = os.path.normpath(os.path.join(os.path.dirname(page), path))
-        if whole in ("docs", "docs/README.md"):
-            whole = "index.md"
+        shown = {"docs": "index.md", "docs/README.md": "index.md", "docs/type_tables.py": "docs/types.md"}
+        whole = shown.get(whole, whole)
         found = next((p for p in (whole, f"{whole}/index.md", f"{whole}/README.md") if p in self.texts), None)
         if found:
             made = re.sub(r"\.(md|rst)$", ".html", found)
