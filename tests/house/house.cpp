@@ -158,6 +158,7 @@ std::vector<Folder> const house{
     {"examples/microcontroller/board", {}},
     {"tests/python", {"src/rlslab/adapt", "variants"}},
     {"tests/long_run", {"catalogue"}},
+    {"tests/optimised", {"studies/engine"}},
     {"tests/fuzz", {"program"}},
     {"tests/mpi", {"src/rlslab/many", "variants"}},
     {"tests/common", {"catalogue"}},

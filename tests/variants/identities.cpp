@@ -1,4 +1,4 @@
-// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23) to 2^-220 in Reference, also of the
+// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23) to 2^-220 in Reference, also in
 // forms that take square roots. That they hold with == in rationals is study `identities`.
 #include "tests/common/laws.hpp"
 
