@@ -150,8 +150,8 @@ TEST(Verdicts, AreThoseThatTheQuestionsCount) {
         EXPECT_THAT(text, HasSubstr(row.str()));
     }
 }
-/// The counts by kind in docs/questions.md, "88, 0, 0, then 65, 4, 7, then 288, 61, 116 at seed 1"; and README's "Of our
-/// 279 predictions that were registered before a run 144 hold, 50 fail and 85 are undecided": findings whose band was set
+/// By kind in docs/questions.md: "88, 0, 0, then 65, 4, 7, then 288, 61, 116 at seed 1". In README: "Of our 279
+/// predictions that were registered before a run 144 hold, 50 fail and 85 are undecided", findings whose band was set
 /// before a run and not moved after it. A claim that the record of the full budget does not have is not counted.
 TEST(Verdicts, OfTheFullBudgetAreThoseThatReadmeAndQuestionsCount) {
     Count registered;
