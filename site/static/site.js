@@ -90,7 +90,9 @@ document.addEventListener("DOMContentLoaded", () => {
       ${here.place}.${here.outside ? " <strong>Your data lie outside the map: ask compare.</strong>" : ""}
       There the best form keeps ${here.best[0]} digits of theta, ${here.best[1]} of its worst component and
       ${here.best[2]} of P.
-      Half a digit at most, in any of the three, is lost by ${count(0)} of ${map.forms.length} forms.` :
+      Half a digit at most, in any of the three, is lost by ${count(0)} of ${map.forms.length} forms (medians of 11
+      runs). <a href="docs/map.html#where-the-rules-end">Not for</a> a plant at rest when the filter starts, rows that
+      repeat, raw counts${value("word") === "11" ? ", binary16's exponents (take <code>inverse_qr</code>)" : ""}.` :
       `${count(0)} variants keep three digits of theta and P and ${count(1)} may, by the law of
       <a href="studies/choose.html">the study choose</a> (4 parameters, P0 = κ² I, graded rows, κ of 256 and more).`;
     place.querySelector(".answer").innerHTML = `<p>${found} ${unit}; *: without theta; –: not measured.</p>

@@ -203,16 +203,16 @@ Study const delta_forms{
 S_{ij} \leftarrow S_{ij} - \bigl(S_{ij}(1 - k_j) + v_i m_j'\bigr), \qquad
 \frac{\|\delta P\|}{\|P\|} = \frac{0.85\,u}{\sqrt{1-\lambda^2}})tex",
     .interpretation =
-        "Each form beside the same recursion with its factor changed by a difference. Near lambda = 1 the plain forms "
-        "round numbers near 1 with a mean, or repeat one rounding of lambda, and P drifts; in the delta forms one "
-        "rounding a row and number is left. On white rows with (1 - lambda)^1.5 > 10 u that is 0.66 to 1.55 times its "
-        "law, and up to 2.0 times in 11 bits at lambda = 0.9 with eight parameters: the claims on the law are "
-        "undecided. Rows of condition 1e4 leave up to 1300 times the law. On white rows in float at lambda = 0.9999 "
-        "they gain one digit of P (ud, potter) to two (inverse_qr), and ud_delta keeps more than symmetric. theta "
-        "gains in gentleman and qr, which solve for it, and not in the others. With a condition of 1e4 other "
-        "roundings are larger, and 0.1 to 0.6 digits of P are gained there, but 0.8 and more in potter and two in "
-        "gentleman, because the delta form adds to an entry of R what is left of the row, where the plain one adds "
-        "two large terms.",
+        "Each form beside the same recursion with its factor changed by a difference. Near lambda = 1 the plain "
+        "forms round numbers near 1 with a mean, or repeat one rounding of lambda, and P drifts; in the delta forms "
+        "one rounding a row and number is left, and averages out, as long as the rows do not repeat (docs/theory.md "
+        "91). On white rows with (1 - lambda)^1.5 > 10 u that is 0.66 to 1.55 times its law, and up to 2.0 times in "
+        "11 bits at lambda = 0.9 with eight parameters: the claims on the law are undecided. Rows of condition 1e4 "
+        "leave up to 1300 times the law. On white rows in float at lambda = 0.9999 they gain one digit of P (ud, "
+        "potter) to two (inverse_qr), and ud_delta keeps more than symmetric. theta gains in gentleman and qr, which "
+        "solve for it, and not in the others. With a condition of 1e4 other roundings are larger, and 0.1 to 0.6 "
+        "digits of P are gained there, but 0.8 and more in potter and two in gentleman, because the delta form adds "
+        "to an entry of R what is left of the row, where the plain one adds two large terms.",
     .data =
         "white rows and a delay line of pole 0.95, P0 = I; rows of condition 1e2 and 1e4 off the axes, P0 = 2^20 I; "
         "theta drawn; root mean squares over four samples from 3 memories on, or 32768 rows with lambda = 1",

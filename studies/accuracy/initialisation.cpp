@@ -92,12 +92,12 @@ Study const initialisation{
 &\text{batch of } m \text{ rows: } P_m = \Big(\sum_{k\le m}\lambda^{m-k}\psi_k\psi_k^\top\Big)^{-1},\quad
         \theta_m = P_m \sum_{k\le m}\lambda^{m-k}\psi_k y_k\end{aligned})tex",
     .interpretation =
-        "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start "
-        "from c^2 I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start "
-        "from the batch estimate of the first rows, rounded once to double, pays neither: it gives the covariance "
-        "forms four to six decades that no c^2 gives them. Triangular, UD and QR forms need no batch: with c^2 = 1e20 "
-        "or more they are as good, and a little better, for no rounded P is handed over. A longer batch helps the "
-        "covariance forms a little more.",
+        "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A "
+        "start from c^2 I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A "
+        "start from the batch estimate of the first rows, rounded once to double, pays neither: it gives the "
+        "covariance forms four to six decades that no c^2 gives them. On these rows triangular, UD and QR forms need "
+        "no batch: with c^2 = 1e20 or more they are as good, and a little better, for no rounded P is handed over. A "
+        "longer batch helps the covariance forms a little more.",
     .data = "graded rows of condition 1000, d = 5",
     .factors =
         [](Budget budget) {

@@ -120,15 +120,16 @@ Study const prior_law{
 \underbrace{C\,u\,c^2\,\frac{\sigma\,\lVert A\rVert_F^2\,\lVert A^+\rVert_F}{N^{3/2}\sqrt d}}_{\text{rounding, } P \text{ stored}} \\
 \text{Potter:}\quad & C\,u\,c\,\frac{\sigma\,\lVert A\rVert_F\,\lVert A^+\rVert_F}{N\sqrt d} \end{aligned})tex",
     .interpretation =
-        "Left of each valley the bias, sqrt(mean of sigma_i^-4) / c^2; right of it the rounding. The forms that store "
-        "P carry an error u c^2 in the directions seen first, and the noise turns it into an error of theta: so the "
-        "rounding grows with c^2, with the condition number and with the noise, each to the power one, and the law's "
-        "constant is 0.3 to 0.9 for three spectra, four condition numbers and four sizes of the noise. It was fitted "
-        "at condition 100 alone. Potter's root has u c in the place of u c^2. The best c^2 follows: it grows as the "
-        "root of kappa and falls as the root of the noise. At kappa = 1e5 with one large singular value the slope in "
-        "c^2 is below 0.9: below c^2 = 1e13 another error lies above the law. The law ends beyond u c^2 = 100. "
-        "Joseph's products are another matter: their constant grows 200- to 600-fold from kappa = 1e2 to 1e5. "
-        "Triangular roots have no such term.",
+        "Left of each valley the bias, sqrt(mean of sigma_i^-4) / c^2; right of it the rounding. The forms that "
+        "store P carry an error u c^2 in the directions seen first, and the noise turns it into an error of theta: "
+        "so the rounding grows with c^2, with the condition number and with the noise, each to the power one, and "
+        "the law's constant is 0.3 to 0.9 for three spectra, four condition numbers and four sizes of the noise. It "
+        "was fitted at condition 100 alone. Potter's root has u c in the place of u c^2. The best c^2 follows: it "
+        "grows as the root of kappa and falls as the root of the noise. At kappa = 1e5 with one large singular value "
+        "the slope in c^2 is below 0.9: below c^2 = 1e13 another error lies above the law. The law ends beyond u c^2 "
+        "= 100. Joseph's products are another matter: their constant grows 200- to 600-fold from kappa = 1e2 to 1e5. "
+        "Triangular roots have no such term on rows that excite every direction from the start; where they do not, "
+        "theta loses digits to c (docs/theory.md 123).",
     .data =
         "d = 5, N = 50: geometric singular values, one small, one large; kappa = 1e2 to 1e5 with noise 1e-6, noise "
         "1e-6 to 1e-3 with kappa = 100; 200 seeds: a run of 60 left six claims undecided, no band moved",

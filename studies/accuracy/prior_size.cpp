@@ -74,11 +74,12 @@ Study const prior_size{
               P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
     .interpretation =
         "Rows of condition 100. Left of each valley the prior's bias dominates, the same for every variant; to the "
-        "right the variant's own rounding. The covariance forms subtract numbers of the size of c^2 in the first rows "
-        "and keep u c^2 of them as an error of P, so their valley is narrow and ends at half of double's digits. "
-        "Potter's full root does the same with numbers of the size of c and loses half as fast. Triangular roots, UD "
-        "and the QR forms have no valley: any c^2 from 1e20 to 1e40 gives all they can. The covariance forms saturate "
-        "at 1e-3 to 1e-1 on these data. Study prior_law has the places of the valleys for other data.",
+        "right the variant's own rounding. The covariance forms subtract numbers of the size of c^2 in the first "
+        "rows and keep u c^2 of them as an error of P, so their valley is narrow and ends at half of double's "
+        "digits. Potter's full root does the same with numbers of the size of c and loses half as fast. Triangular "
+        "roots, UD and the QR forms have no valley: any c^2 from 1e20 to 1e40 gives all they can on these rows, "
+        "which excite every direction from the start (else: docs/theory.md 123). The covariance forms saturate at "
+        "1e-3 to 1e-1 on these data. Study prior_law has the places of the valleys for other data.",
     .data = "graded rows of condition 100, d = 5",
     .factors =
         [](Budget budget) {

@@ -155,12 +155,12 @@ p &= c^2\tfrac{d}{m}\lambda^{2N}\sum\sigma_i^2 \\
 \text{factors:}\quad & 0.42u\,(2n + 2.8\,q\,\kappa\sqrt{t/d}) + u\,m\,c_{\text{form}} \end{aligned})tex",
     .interpretation =
         "Condition and prior are powers of 1/u, so that the map of one word can be laid on that of another. A form "
-        "whose P was not definite at one of the looks has lost. Loss is the largest of theta, its worst component and "
-        "P, in digits, to the best form of the list. The prior decides first: with P0 = I the forms that store P are "
-        "near the best whatever kappa, with 1/u none is. A long memory in a short word costs the plain factors one to "
-        "two digits of P. No cell has ud_delta more than 0.7 digits behind the best. The registered laws name the "
-        "right family on the medians of cells and not run by run; what was wrong in them is said in docs/theory.md 107 "
-        "to 110.",
+        "whose P was not definite at one of the looks has lost. Loss is the largest of theta, its worst component "
+        "and P, in digits, to the best form of the list. The prior decides first: with P0 = I the forms that store P "
+        "are near the best whatever kappa, within the four memories looked at, with 1/u none is. A long memory in a "
+        "short word costs the plain factors one to two digits of P. In the median of its runs no cell had ud_delta "
+        "more than 0.7 digits behind the best; a single run scatters. The registered laws name the right family on "
+        "the medians of cells and not run by run; what was wrong in them is said in docs/theory.md 107 to 110.",
     .data =
         "rows V diag(sigma) w, w white, V a random rotation or the axes; 14 words and memories; d = 4, geometric "
         "sigma, generic theta, noise 1e-3, and one of these changed at a time; 11 seeds",
