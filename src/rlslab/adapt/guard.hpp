@@ -54,7 +54,7 @@ struct GuardOptions {
 ///       1/p, of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
 ///   (5) P in full storage: breakdown where |P_ij - P_ji| > asymmetry sqrt(P_ii P_jj), one pair a row, all of them in
 ///       d^2/2 rows
-///   (6) a reset: P = v I, v the largest variance at the start or, where that is less, 2^(p/3) / |psi|^2 at a change and
+///   (6) a reset: P = v I, v the largest variance at the start or, where less, 2^(p/3) / |psi|^2 at a change and
 ///       2^(p/6) / |psi|^2 at a breakdown; psi is the row that showed it, or the largest kept row where the policy
 ///       rebuilds
 ///
