@@ -54,13 +54,14 @@ struct GuardOptions {
 ///       1/p, of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
 ///   (5) P in full storage: breakdown where |P_ij - P_ji| > asymmetry sqrt(P_ii P_jj), one pair a row, all of them in
 ///       d^2/2 rows
-///   (6) a reset: P = v I, v the largest variance at the start or, where less, 2^(p/3) / |psi|^2 at a change and
+///   (6) a reset: P = v I, v the largest variance at the start or, where less, 2^(3p/4) / |psi|^2 at a change and
 ///       2^(p/6) / |psi|^2 at a breakdown; psi is the row that showed it, or the largest kept row where the policy
 ///       rebuilds
 ///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
-/// the first row, relative to the P that this row leaves; where lambda = 1 it stays, while P falls as 1/n. So it breaks
-/// no form in 2^(2p/3) rows at least, of sizes alike. theta then weighs as 2^(-p/3) or 2^(-p/6) of a row.
+/// the first row, relative to the P that this row leaves, and where lambda = 1 it stays, while P falls as 1/n: it needs
+/// 2^(p/4) and 2^(5p/6) rows of like sizes to grow up to P. theta, which a breakdown leaves as it was last seen, then
+/// weighs as 2^(-p/6) of a row.
 /// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
 /// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
 /// min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule of forgetting s is that of before the rule.
@@ -286,7 +287,7 @@ private:
     }
     /// From theta as it is, and the row that was kept.
     Step<T> restarted_at(Mask const& lanes, T const& y) {
-        T const variance = variance_for(kept_row(), significand_bits<T>() / 3);
+        T const variance = variance_for(kept_row(), 3 * significand_bits<T>() / 4);
         return detail::on_lanes<T>(filter_, lanes, [&] {
             auto const theta = filter_.theta();
             restart(filter_, variance, Regressor<T>(theta), lambda_);
