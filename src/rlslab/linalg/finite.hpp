@@ -173,19 +173,19 @@ class ColumnLengths {
     using Bound = BoundOf<T>;
     StateVector<Bound, N> squares_;
     Bound right_ = Bound(0);
-    Truth<T> mark_ =
-        false;  // R = L': began with a prior. R = diag(sqrt(D)) L': began without one, as no older state says
+    // R = L': began with a prior. R = diag(sqrt(D)) L': began without one, which states of older versions never say.
+    Truth<T> mark_ = false;
 
     /// pivots_above_rounding, from the squares that are at hand where these decide it: of four times the bound, since
     /// they are rounded, too, and n_j^2 is at least the square of the largest number in column j of R.
     template <class PivotSquared, class Compare>
     Truth<T> above_rounding(PivotSquared r2, Compare compare) const {
-        double const share = rounding_of_a_pivot<T>();
-        if (share > 0) {
+        if constexpr (RootedScalar<T>) {
+            double const share = rounding_of_a_pivot<T>();
             UncountedScope<T> const uncounted;
             Bound const by = Bound(4 * share * share),
                         least = Bound(std::ldexp(1.0, -std::min(900, max_exponent<T>())));
-            Truth<T> out = true;
+            Truth<T> out = share > 0;
             for (Index j = 0; j < squares_.size(); ++j) out = out && least < squares_[j] && by * squares_[j] < r2(j);
             if (all(out)) return out;
         }
