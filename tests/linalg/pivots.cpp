@@ -74,7 +74,7 @@ TEST(Pivots, OfRoundingDetermineNothing) {
         check_dependent<QrBlock<double>>(rows);
     }
     check_dependent<Qr<double>>(20000);
-    check_dependent<Gentleman<double>>(20000);
+    check_dependent<Gentleman<double>>(10000);
     for (Index const rows : {3, 15, 100}) check_dependent<Information<double>>(rows);
 }
 /// A block reports after its rows.

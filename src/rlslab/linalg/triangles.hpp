@@ -79,10 +79,10 @@ Truth<T> nonsingular(StateVector<T, N> const& D) {
 ///   |R_jj| > 2^min(p/4, 10) u max_i |R_ij|,   u = 2^-p
 ///
 /// A column that depends on those before it leaves no zero: each row adds a rounding of u |psi_j| or so, n rows one of
-/// sqrt(n/6) u of the column's length, n u / 20 where they repeat. The factor holds these down for 10^5 rows in double
-/// and 10^3 in float, and costs a quarter of the digits at most: below the bound theta_j has no more than these. No
-/// unit of a parameter or of y changes the answer. Zero where no error is relative, that is in the rationals and in
-/// fixed point: there exact zeros decide.
+/// sqrt(n/6) u of the column's length, n u / 15 where they repeat. The factor holds these down for 10 000 rows in
+/// double and 500 in float (tests/linalg/pivots.cpp). It costs a quarter of the digits at most: below the bound theta_j
+/// has no more than these. No unit of a parameter or of y changes the answer. Zero where no error is relative, in the
+/// rationals and in fixed point: there exact zeros decide.
 template <Scalar T>
 double rounding_of_a_pivot() {
     using Traits = ArithmeticTraits<RealOf<T>>;
