@@ -48,7 +48,7 @@ struct GuardOptions {
 ///       rounding makes of e is allowed for besides. s <= 0 or NaN is left to the step's health
 ///   (3) the rest of the update; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20
 ///       numbers gamma e^2 on, over 0.455; where it is 0, from that of the others times their share. Until then, and
-///       again after a change or a reset, (2) is not made
+///       again after a reset or a change whose rows are taken, (2) is not made
 ///   (4) j = k mod d, p = P_jj, or 1/R_jj^2 where F holds a factor of P^-1 (watched_variance): breakdown where p <= 0
 ///       or is not finite, windup where p > largest_variance; capped by the row sqrt(r) e_j, r = 1/largest_variance -
 ///       1/p, of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
@@ -271,8 +271,10 @@ private:
         Mask const changes(five);
         count(counts_.changes, changes);
         tell(changes, GuardSignal::change);
-        if (any(changes)) forget(changes);  // s2 may be that of rows without noise
-        return changes && Mask(policy.change == Action::reset);
+        constexpr bool resets = policy.change == Action::reset;
+        if (resets || policy.outlier != Action::skip) forget(changes);  // s2 may be that of rows without noise
+        else history_.n = select(changes, Count(0), history_.n);
+        return changes && Mask(resets);
     }
     /// (6), of 2^bits
     T variance_for(Regressor<T> psi, int bits) {
