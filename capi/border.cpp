@@ -1,6 +1,8 @@
 // The message of each thread, and requests whose numbers would be beyond memory.
 #include "capi/border.hpp"
 
+#include <rlslab/core/misuse.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdarg>
@@ -14,12 +16,9 @@ namespace {
 
 thread_local char last[1024];  // not on the heap: "out of memory" fits, too
 
-/// More numbers than memory can have: their bytes, and those of a few copies, would overflow a pointer difference.
-constexpr std::size_t most_numbers = PTRDIFF_MAX / 64;
-
 /// a b, or throws where it is beyond memory.
 std::size_t product(std::size_t a, std::size_t b, char const* what) {
-    if (b != 0 && a > most_numbers / b)
+    if (!product_fits(a, b))
         throw std::invalid_argument(std::string(what) + ": " + std::to_string(a) + " times " + std::to_string(b) +
                                     " numbers are beyond memory");
     return a * b;

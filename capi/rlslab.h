@@ -91,7 +91,8 @@ char const* rlslab_arithmetic(rlslab_filter const* filter);  // null of null
 rlslab_status rlslab_update(rlslab_filter* filter, double const* psi, double y, rlslab_step* step);
 rlslab_status rlslab_update_f32(rlslab_filter* filter, float const* psi, float y, rlslab_step* step);
 // Many rows, the oldest first: row k starts at psi + k * stride, stride >= d (0: d). steps: room for all, or null:
-// faster, the same bits. 0 rows: the pointers may be null. INVALID: a stride below d, or more rows than memory has.
+// faster, the same bits (qr_block: blocks of 256 rows, whose last bits are others, with the place where a call begins).
+// 0 rows: the pointers may be null. INVALID: a stride below d, or more rows than memory has.
 rlslab_status rlslab_update_many(rlslab_filter* filter, double const* psi, size_t rows, size_t stride, double const* y,
                                  rlslab_step* steps);
 rlslab_status rlslab_update_many_f32(rlslab_filter* filter, float const* psi, size_t rows, size_t stride,

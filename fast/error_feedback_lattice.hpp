@@ -18,8 +18,9 @@ namespace rlslab {
 ///   (6) gamma_{m+1} = gamma_m - (gamma_m beta_m)^2 / B_m
 ///
 /// e_d is the a priori error. An error of a coefficient is seen in the next error and corrected: it shrinks by about
-/// lambda a row (docs/theory.md 103). No line divides by gamma. It goes on after a silence, unless B underflowed to 0
-/// itself (lambda <= 1/2): then 0/0, and health is nonfinite.
+/// lambda a row (docs/theory.md 103). No line divides by gamma: where it should be 0, in the first rows of a
+/// large u, rounding may leave a gamma a little below, and the step is sound. It goes on after a silence, unless B
+/// underflowed to 0 itself (lambda <= 1/2): then 0/0, and health is nonfinite.
 /// Storage 7d; per update 14d multiplications and 3d divisions.
 /// Source: Haykin (recursive LSL with a priori estimation errors and error feedback; cited, not read); the lines are
 /// derived (docs/theory.md 100).
@@ -66,7 +67,7 @@ public:
             finite = finite && is_finite(B_[m]) && is_finite(F_[m]);
             gamma -= by_B * weighed;                                                                     // (6)
         }
-        return if_finite(finite, step_of(e, gamma));
+        return detail::step_of_kept(e, gamma, finite, true);
     }
 
     Index size() const { return B_.size(); }

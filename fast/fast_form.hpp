@@ -35,14 +35,16 @@ FastProblem<T> const& checked(FastProblem<T> const& problem, int fixed_size = Dy
 }
 
 namespace detail {
-/// The step of a form that keeps gamma from row to row. Where it should be 1, rounding may carry it beyond: health is
-/// indefinite only if more than half of its digits are gone.
+/// The step of a form that keeps gamma from row to row, or subtracts on the way to it. Where it should be 1, rounding
+/// may carry it beyond; where it should be 0, below, if nothing divides by it (`may_vanish`). Health is indefinite only
+/// if more than half of its digits are gone.
 template <Field T>
-Step<T> step_of_kept(T const& e, T const& gamma, Truth<T> const& finite) {
+Step<T> step_of_kept(T const& e, T const& gamma, Truth<T> const& finite, bool may_vanish = false) {
     Step<T> step = step_of(e, gamma);
     if constexpr (Real<T>) {
         T const rounding = T(std::ldexp(1.0, -significand_bits<T>() / 2));
-        Truth<T> const by_rounding = T(1) < gamma && gamma - T(1) < rounding && is_finite(e);
+        Truth<T> const above = T(1) < gamma && gamma - T(1) < rounding, below = gamma < T(0) && -gamma < rounding,
+                       by_rounding = (above || (Truth<T>(may_vanish) && below)) && is_finite(e);
         step.health = select(by_rounding, PerLane<T, Health>(Health::sound), step.health);
     }
     return if_finite(finite, step);

@@ -15,10 +15,10 @@ namespace rlslab {
 ///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;
 ///       z_i and eta alike              (5) gamma = w_{d+1},  e = eta
 ///
-/// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
-/// theta (R theta = z) and K are solved for on request. Storage d^2 (half used); per update 2 d^2 + O(d)
-/// multiplications (1.5 d^2 where float and double take one pass), no square root. Starts without a prior: while D has
-/// a zero the innovation is NaN and health undetermined. Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
+/// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i. theta (R theta = z) and K are solved for
+/// on request. Storage d^2 (half used); per update 2 d^2 + O(d) multiplications (1.5 d^2 where float and double take
+/// one pass), no square root. Starts without a prior: the innovation is NaN and health undetermined until each pivot
+/// stands above its own rounding (linalg/triangles.hpp). Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
 template <Scalar T, int N = Dynamic>
 class Gentleman {
     RealOf<T> lambda_;
@@ -45,22 +45,22 @@ public:
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_, x_, rest_);
         T eta = y;
+        Truth<T> const determined = lengths_.determined(L_, D_);
         bool const in_range = lengths_.begin_row(lambda_, psi_, y, D_);
         if constexpr (Hardware<T>)
-            if (in_range) return step_of(eta, fold_gentleman(L_, x_, z_, eta, D_, c_, s_, lambda_));    // the same bits
+            if (in_range)    // the same bits
+                return if_determined(determined, step_of(eta, fold_gentleman(L_, x_, z_, eta, D_, c_, s_, lambda_)));
         eliminate(L_, x_);                                                                               // (1)
         scale(D_, lambda_, before_);
-        Truth<T> determined = true;
-        for (Index i = 0; i < x_.size(); ++i) determined = determined && !(before_[i] == RealOf<T>(0));
+        Truth<T> const regular = nonsingular(before_);
         RealOf<T> const w = gentleman_weights(x_, before_, s_, c_, D_);                                  // (2)
         add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
-        if (!all(determined))
-            for (Index i = 0; i < x_.size(); ++i) {
-                Truth<T> const nothing = D_[i] == RealOf<T>(0);    // before and after this row
-                c_[i] = select(nothing, RealOf<T>(1), c_[i]);
-                s_[i] = select(nothing, T(0), s_[i]);
+        if (!all(regular))
+            for (Index i = 0; i < x_.size(); ++i) {    // D_i is zero before and after this row
+                c_[i] = select(D_[i] == RealOf<T>(0), RealOf<T>(1), c_[i]);
+                s_[i] = select(D_[i] == RealOf<T>(0), T(0), s_[i]);
             }
         sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
         for (Index i = 0; i < x_.size(); ++i) {
@@ -68,8 +68,8 @@ public:
             z_[i] = c_[i] * t + turned;
             eta -= conjugate(x_[i]) * t;
         }
-        Step<T> const step = select(determined, step_of(eta, w), report_undetermined(eta));               // (5)
-        return if_finite(lengths_.end_row(psi_, L_, D_, z_, x_) || !determined, step);
+        Step<T> const step = if_determined(determined && regular, step_of(eta, w));                      // (5)
+        return if_finite(lengths_.end_row(psi_, L_, D_, z_, x_) || !(determined && regular), step);
     }
 
     Vector<T, N> theta() const {

@@ -13,16 +13,16 @@ namespace rlslab {
 ///
 /// Squares the condition number; the form is here as a warning. A pivot D_j <= 0 is breakdown (indefinite): theta is
 /// NaN until a later X factors again, and the next row is indefinite too, because no theta predicts its y. Starts
-/// without a prior: from the first row until X factors, theta is NaN and health undetermined. Storage 2 d^2; per update
-/// d^3/6 + 3.5 d^2 + O(d) multiplications (after rows without report another d^3/6 + d^2), per row without report
-/// 2 d^2 + O(d). Source: Gauss; Bierman 1977.
+/// without a prior: from the first row until X factors, theta is NaN, and until its pivots stand above their rounding,
+/// health undetermined. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d) multiplications (after rows without report
+/// another d^3/6 + d^2), per row without report 2 d^2 + O(d). Source: Gauss; Bierman 1977.
 template <Scalar T, int N = Dynamic>
 class Information {
     RealOf<T> lambda_;
     StateVector<T, N> theta_, b_, psi_, f_;
     StateVector<RealOf<T>, N> D_;
     StateMatrix<T, N> X_, L_;
-    Truth<T> positive_, started_;    // X factors; has been seen to factor
+    Truth<T> positive_, started_;    // X factors; has been seen to factor with pivots above their rounding
     PerLane<T, Index> rows_;         // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
     auto equations() {
@@ -56,7 +56,7 @@ public:
         solve_lower(L_, f_);                                                                             // (1)
         RealOf<T> s = lambda_;
         for (Index i = 0; i < f_.size(); ++i) s += absolute_square(f_[i]) / D_[i];
-        Truth<T> const known = positive_, started = started_;
+        Truth<T> const started = started_, known = positive_ && started;
         accumulate(psi, y);
         if (!solved_) solve();
         T seen = y;    // spoilt by data that are not finite

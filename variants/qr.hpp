@@ -24,8 +24,8 @@ namespace rlslab {
 /// theta (R theta = z) and K (R'R K = psi) are solved for on request, d^2/2 and d^2 multiplications. Rounding of c_i
 /// makes P drift with lambda = 1, as that of inverse_qr (docs/theory.md 45); theta does not. Storage d^2 (half used);
 /// per update 2 d^2 + O(d) multiplications (1.5 d^2 where float and double take one pass, 2.5 d^2 in (5)), d square
-/// roots. Starts without a prior: while R has a zero on its diagonal the innovation is NaN, health undetermined.
-/// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
+/// roots. Starts without a prior: while a pivot of R does not stand above its own rounding (linalg/triangles.hpp) the
+/// innovation is NaN, health undetermined. Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <RootedScalar T, int N = Dynamic>
 class Qr {
     RealOf<T> lambda_, root_lambda_;
@@ -44,32 +44,34 @@ public:
 
     explicit Qr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),
-          psi_(problem.size),
-          x_(problem.size), row_(problem.size), s_(problem.size), u_(problem.size), c_(problem.size),
-          before_(problem.size), after_(problem.size), L_(problem.size), lengths_(problem.size) {
+          psi_(problem.size), x_(problem.size), row_(problem.size), s_(problem.size), u_(problem.size),
+          c_(problem.size), before_(problem.size), after_(problem.size), L_(problem.size), lengths_(problem.size) {
         start_information_root(problem, L_, z_);
         lengths_.start(L_, z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_, x_);
+        Truth<T> const determined = lengths_.determined(L_);
         bool const in_range = lengths_.begin_row(lambda_, psi_, y, L_);
         if constexpr (Hardware<T>)
             if (in_range) {    // (2) to (4) in one pass, the same bits
                 RealOf<T> const s = fold_qr(L_, x_, z_, y, c_, s_, u_, lambda_, root_lambda_);
-                return step_of(y, lambda_, s);
+                return if_determined(determined, step_of(y, lambda_, s));
             }
         row_ = psi_;
-        return finish(solved(y), y, false);
+        return finish(solved(y), y, determined, false);
     }
     Innovation<T> look(Regressor<T> psi, T y) requires errors_are_relative<T> {
         keep_regressor(psi, row_, x_);
         y_ = y;
-        return solved(y);
+        auto const [e, s] = solved(y);
+        return {select(lengths_.determined(L_), e, undefined<T>()), s};
     }
     Step<T> commit(Innovation<T> const& row) requires errors_are_relative<T> {
+        Truth<T> const determined = lengths_.determined(L_);
         psi_ = row_;
-        return finish(row, y_, lengths_.begin_row(lambda_, psi_, y_, L_));
+        return finish(row, y_, determined, lengths_.begin_row(lambda_, psi_, y_, L_));
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
@@ -86,14 +88,14 @@ private:
     Innovation<T> solved(T e) {
         RealOf<T> s = undefined<RealOf<T>>();
         if constexpr (errors_are_relative<T>)
-            if (errors_are_relative_now<T>() && any(lengths_.determined()))
+            if (errors_are_relative_now<T>() && any(nonsingular(L_)))
                 s = solve_rotations(L_, z_, lambda_, root_lambda_, x_, e, c_, s_, u_, before_, after_);
         return {e, s};
     }
     /// (4) or (5). in_range: s and the answers are proven to be finite.
-    Step<T> finish(Innovation<T> const& row, T y, bool in_range) {
-        Truth<T> const determined = lengths_.determined(), by_substitution = determined && is_finite(row.s);
-        RealOf<T> root_gamma = RealOf<T>(1);
+    Step<T> finish(Innovation<T> const& row, T y, Truth<T> determined, bool in_range) {
+        Truth<T> const regular = nonsingular(L_), by_substitution = regular && is_finite(row.s);
+        determined = determined && regular; RealOf<T> root_gamma = RealOf<T>(1); T const given = y;
         if (all(by_substitution)) sweep_rotations_in(L_, z_, y, x_, row_, c_, s_, u_);                    // (4)
         else if (any(by_substitution))
             rotate_or_sweep_in(by_substitution, L_, z_, y, row_, root_lambda_, c_, s_, u_, root_gamma);
@@ -102,10 +104,9 @@ private:
             for (Index i = 0; i < row_.size(); ++i) root_gamma *= c_[i];
         }
         Step<T> step = step_of(row.e, lambda_, row.s);
-        if (!all(by_substitution)) {
-            Step<T> const rotated = report_rotated(y, root_gamma, determined);                           // (5)
-            step = select(by_substitution, step, rotated);
-        }
+        if (!all(by_substitution))
+            step = select(by_substitution, step, report_rotated(y, root_gamma, determined));             // (5)
+        step = if_determined(determined, step, select(by_substitution, given, y));
         return if_finite(Truth<T>(in_range) || lengths_.finite(L_, z_, psi_, row_) || !determined, step);
     }
 };

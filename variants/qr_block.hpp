@@ -31,8 +31,8 @@ class QrBlock {
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
     RowBlock<T> A_;                                          // a block, with y as its last column
 
-    /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove one.
-    Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
+    Truth<T> determined() const { return lengths_.determined(L_) && nonsingular(L_) && Truth<T>(enough_rows()); }
+    bool enough_rows() const { return prior_ || rows_ >= z_.size(); }
     /// Folds A, which stands for `rows` rows, into weight [R z].
     PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows) {
         lengths_.add_rows(weight, A_.view());

@@ -92,7 +92,8 @@ public:
     /// Into a filter of the same variant, arithmetic, size and composition; forgetting and prior may be others.
     virtual void load(std::span<std::byte const> from) = 0;
 
-    virtual std::int32_t health() const = 0;  ///< of the last row; of `load`: undetermined where theta is NaN
+    /// Of the last row; of `load`: undetermined where theta is NaN or was not determined.
+    virtual std::int32_t health() const = 0;
     virtual std::int32_t signal() const = 0;  ///< of the last row
     virtual Counts counts() const = 0;
     virtual void reset() = 0;  ///< as it was made

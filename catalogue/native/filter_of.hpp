@@ -28,6 +28,14 @@ class FilterOf final : public Filter {
     Health health_ = Health::sound;
 
     Index d() const { return row_.size(); }
+    /// Of the forms that start without a prior.
+    bool determined() {
+        if constexpr (requires { filter_.form().lengths, filter_.form().D; })
+            return filter_.form().lengths.determined(filter_.form().L, filter_.form().D);
+        else if constexpr (requires { filter_.form().lengths; })
+            return filter_.form().lengths.determined(filter_.form().L);
+        else return true;
+    }
     Step reported(rlslab::Step<T> const& s) {
         health_ = s.health;
         return {double(s.innovation), double(s.residual), double(s.gamma), std::int32_t(s.health), signal()};
@@ -140,7 +148,7 @@ public:
             refuse(refusal_of(fault, from));
         taken_ = 0;
         detail::theta_of(filter_, row_);
-        health_ = all_finite(row_) ? Health::sound : Health::undetermined;  // the state has no last row
+        health_ = all_finite(row_) && determined() ? Health::sound : Health::undetermined;  // the state has no last row
     }
 
     std::int32_t health() const override { return std::int32_t(health_); }

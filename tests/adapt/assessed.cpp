@@ -193,6 +193,31 @@ TEST(Assessed, KnowsWhatItDoesNotKnow) {
     EXPECT_GT(g.share(), 0.7);  // few rows are in its memory
     static_assert(RecursiveLeastSquares<Weighted<Assessed<Guarded<Windowed<Ud<float, 5>>>>>>);
 }
+/// The nesting of docs/library.md: rows with variances of their own, and intervals, of a const filter too. Its weights
+/// of 1/4 are rows over 2.
+TEST(Assessed, AnswersThroughWeights) {
+    Problem<double> const problem{.forgetting = 0.984375};
+    Weighted<Assessed<Guarded<Ud<double, 3>>>> weighted(problem);
+    Assessed<Guarded<Ud<double, 3>>> plain(problem);
+    Seed rows{7};
+    double psi[3];
+    for (int k = 0; k < 300; ++k) {
+        double const y = draw(rows, psi, k % 2 ? 2 * sigma : sigma);
+        weighted.update(psi, y, k % 2 ? 0.25 : 1.0);
+        double const by = k % 2 ? 0.5 : 1.0;
+        for (double& x : psi) x *= by;
+        plain.update(psi, by * y);
+    }
+    auto const& seen = weighted;
+    for (Index j = 0; j < 3; ++j) {
+        EXPECT_EQ(weighted.interval(j).deviation, plain.interval(j).deviation);
+        EXPECT_EQ(seen.interval(j, 2.0).high, plain.interval(j, 2.0).high);
+        EXPECT_EQ(seen.filter().interval(j).low, plain.interval(j).low);
+    }
+    EXPECT_EQ(weighted.prediction(psi).high, plain.prediction(psi).high);
+    EXPECT_EQ(seen.prediction(psi).high, plain.prediction(psi).high);
+    EXPECT_NEAR(weighted.filter().noise_variance() / (sigma * sigma), 1, 0.3);
+}
 TEST(State, OfAnAssessedFilterContinues) {
     Assessed<Ud<float, 3>> f(Problem<float>{.forgetting = 0.9375f}), g(Problem<float>{.forgetting = 0.5f});
     run_rows(f, 40, Seed{1});

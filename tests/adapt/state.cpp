@@ -187,6 +187,7 @@ TEST(State, NamesRulesPoliciesAndOptions) {
     EXPECT_EQ(crossed(Forgetting<F, Kulhavy<double>>(p), Forgetting<F, CaoSchwartz<double>>(p)), StateFault::layout);
     EXPECT_EQ(crossed(Guarded<F, resetting>(p), Guarded<F, reporting>(p)), StateFault::options);
     EXPECT_EQ(crossed(Guarded<F>(p), Guarded<F>(p, {.innovation = 4})), StateFault::options);
+    EXPECT_EQ(crossed(Guarded<F>(p, {.least_noise = -0.0}), Guarded<F>(p)), StateFault::none);
     EXPECT_EQ(crossed(Windowed<F>(p, {.rows = 7}), Windowed<F>(p, {.rows = 8})), StateFault::options);
     EXPECT_EQ(crossed(Windowed<F>(p, {.rows = 7}), Guarded<F>(p)), StateFault::layout);
     EXPECT_EQ(crossed(Weighted<F>(p), Assessed<F>(p)), StateFault::layout);

@@ -196,6 +196,20 @@ TEST(Whitened, HasTheSameBitsOfFixedSize) {
     EXPECT_TRUE(dynamic.theta() == fixed.theta() && dynamic.gain() == fixed.gain());
     EXPECT_TRUE(dynamic.stored().F == fixed.stored().F);
 }
+/// A fixed size may be left out of the problem: `first` is 4 d of it, too.
+TEST(Whitened, TakesItsSizeFromItsType) {
+    Rows const data = rotated(3, 40, 100, Seed{6});
+    Problem<double> const given = problem<double>(3, 0.96875, 100);
+    Problem<double> left_out = given;
+    left_out.size = 0;
+    using F = Whitened<Joseph<double, 3>, Qr<double, 3>>;
+    F with(given), without(left_out);
+    EXPECT_EQ(load(without, state_of(with)), StateFault::none);
+    fold_in(with, data);
+    fold_in(without, data);
+    EXPECT_TRUE(with.theta() == without.theta() && with.stored().F == without.stored().F);
+    EXPECT_EQ(state_of(with), state_of(without));
+}
 /// Other forms go into that basis, too.
 TEST(Whitened, TakesAnyFormThatAdmitsARestart) {
     Rows const data = rotated(4, 50, 1e5, Seed{8});

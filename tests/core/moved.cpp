@@ -2,6 +2,7 @@
 // with it.
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/many/fleet.hpp>
+#include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
@@ -64,6 +65,19 @@ TEST(MovedFrom, WhatIsAroundAFilterRefusesRowsUntilItIsAssignedTo) {
     check_composed<Weighted<F>>("weights");
     check_composed<Assessed<F>>("assessed");
     check_composed<Relay<Symmetric<double>, F>>("relay");
+}
+
+/// It has no residuals either: time that passes wrote one before the first.
+TEST(MovedFrom, ExtendedLeastSquaresRefuseRowsAndTime) {
+    ExtendedLeastSquares<Ud<double>> f(Problem<double>{.size = 3}, 2);
+    f.update({1.0}, 1.0);
+    auto g = std::move(f);
+    EXPECT_THROW(f.update({1.0}, 1.0), std::invalid_argument);  // NOLINT: what is tested
+    EXPECT_THROW(f.pass_time(), std::invalid_argument);
+    EXPECT_EQ(f.regressors(), 0);
+    f = g;
+    f.pass_time(), g.pass_time();
+    EXPECT_EQ(Vector<double>(f.theta()), Vector<double>(g.theta()));
 }
 
 TEST(MovedFrom, AFleetHasNoFilters) {

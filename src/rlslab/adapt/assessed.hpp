@@ -116,7 +116,7 @@ public:
     Index degrees() const { return learnt_; }  ///< of freedom of s2, about
     T share() const { return detail::has_a_rule(filter_) ? T(1) : (T(1) + power_) / (T(1) + lambda_); }  ///< r, (1)
 
-    /// (3)
+    /// (3). Of a const filter a copy answers, which allocates as F does: (3) and (4) use F's workspace.
     Interval<T> interval(Index j, T const& q = T(1.96)) {
         expects(0 <= j && j < filter_.theta().size(), "a parameter from 0 to d - 1");
         return around(filter_.theta()[j], share() * variance(filter_, j), q);
@@ -128,6 +128,8 @@ public:
         T const value = dot(psi.data(), theta.data(), psi.size());
         return around(value, T(1) + share() * variance_along(filter_, psi), q);
     }
+    Interval<T> interval(Index j, T const& q = T(1.96)) const { return Assessed(*this).interval(j, q); }
+    Interval<T> prediction(Regressor<T> psi, T const& q = T(1.96)) const { return Assessed(*this).prediction(psi, q); }
 
 private:
     void grow() {

@@ -34,6 +34,7 @@ class DelayLine {
 public:
     explicit DelayLine(Index size = N) {
         expects(size >= 1, "a delay line of at least one sample");
+        expects(product_fits(2, size_t(size)), "a delay line that memory could hold");
         expects(N == Dynamic || size == N, "size equal to the delay line's fixed size");
         if constexpr (N == Dynamic) ring_.resize(size_t(2 * size), T(0));
         else ring_.fill(T(0));

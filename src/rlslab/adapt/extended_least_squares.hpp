@@ -35,14 +35,15 @@ template <OverOrderedField F>
 class ExtendedLeastSquares : public detail::AroundFilter<F> {
     using T = typename F::scalar;
     using detail::AroundFilter<F>::filter_;
-    Index order_, unknown_ = 0;
+    detail::MovedSize order_;
+    Index unknown_ = 0;
     StateVector<T, detail::size_of<F>> phi_, zero_;  // phi of the last row; 0
     T residual_ = T(0);                              // eps of the last row, which enters the next one
 
     void shift() {
         Index const p = regressors();
         for (Index i = phi_.size() - 1; i > p; --i) phi_[i] = phi_[i - 1];
-        if (order_ > 0) phi_[p] = residual_;
+        if (order() > 0) phi_[p] = residual_;
     }
 
 public:
@@ -77,14 +78,14 @@ public:
         return {undefined<T>(), undefined<T>(), step.gamma, step.health};
     }
 
-    Index order() const { return order_; }                           ///< n
-    Index regressors() const { return phi_.size() - order_; }        ///< p
+    Index order() const { return order_.value; }                     ///< n
+    Index regressors() const { return phi_.size() - order(); }       ///< p
     Regressor<T> phi() const { return {phi_.data(), phi_.size()}; }  ///< of the last row, as F took it
     Index unknown() const { return unknown_; }                       ///< rows whose residual was not taken
 
     static constexpr std::string_view layer = "extended_least_squares";
     static std::array<StateOption, 2> options(auto const& f) {
-        return {{{"order", double(f.order_)}, {"unknown", double(f.unknown_), true}}};
+        return {{{"order", double(f.order())}, {"unknown", double(f.unknown_), true}}};
     }
     static auto state(auto& f) { return std::tie(f.filter_, f.phi_, f.residual_, f.unknown_); }
 };

@@ -47,13 +47,21 @@ struct GuardOptions {
 ///   (2) e and s of the update; an outlier where e^2 lambda / s > c^2 s2; 5 outliers among 6 rows are a change. What
 ///       rounding makes of e is allowed for besides. s <= 0 or NaN is left to the step's health
 ///   (3) the rest of the update; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20
-///       numbers gamma e^2 on, over 0.455. Until then, and again after a reset, (2) is not made
+///       numbers gamma e^2 on, over 0.455; where it is 0, from that of the others times their share. Until then, and
+///       again after a reset or a change whose rows are taken, (2) is not made
 ///   (4) j = k mod d, p = P_jj, or 1/R_jj^2 where F holds a factor of P^-1 (watched_variance): breakdown where p <= 0
 ///       or is not finite, windup where p > largest_variance; capped by the row sqrt(r) e_j, r = 1/largest_variance -
 ///       1/p, of output sqrt(r) theta_j. Between two visits p grows by lambda^-d at most
 ///   (5) P in full storage: breakdown where |P_ij - P_ji| > asymmetry sqrt(P_ii P_jj), one pair a row, all of them in
 ///       d^2/2 rows
+///   (6) a reset: P = v I, v the largest variance at the start or, where less, 2^(3p/4) / |psi|^2 at a change and
+///       2^(p/6) / |psi|^2 at a breakdown; psi is the row that showed it, or the largest kept row where the policy
+///       rebuilds
 ///
+/// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
+/// the first row, relative to the P that this row leaves, and where lambda = 1 it stays, while P falls as 1/n: it needs
+/// 2^(p/4) and 2^(5p/6) rows of like sizes to grow up to P. theta, which a breakdown leaves as it was last seen, then
+/// weighs as 2^(-p/6) of a row.
 /// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
 /// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
 /// min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule of forgetting s is that of before the rule.
@@ -115,7 +123,7 @@ public:
             start_ = select(start_ < v, v, start_);
         }
         Mask const none = !(T(0) < start_) || !is_finite(start_), chosen = options_.largest_variance == T(0);
-        if (any(none)) start_ = select(none, T(16384), start_);
+        if (any(none)) start_ = select(none, Prior<T>{}.variance, start_);
         if (any(chosen)) options_.largest_variance = select(chosen, T(T(16) * start_), options_.largest_variance);
         if (problem.prior && problem.prior->theta) keep_regressor(Regressor<T>(*problem.prior->theta), theta_);
     }
@@ -158,7 +166,7 @@ public:
             step = select(goes, taken, step);
         }
         if (any(restarts)) step = select(restarts, restarted_at(restarts, y), step);
-        step = watch(restarts || goes, step, y);
+        step = watch(restarts || goes, step, psi, y);
         if (any(restarts)) tell(restarts, GuardSignal::change);
         return step;
     }
@@ -166,7 +174,7 @@ public:
     Step<T> pass_time() {
         signal_ = GuardSignal::none;
         detail::fill(psi_, T(0));
-        return watch(true, filter_.update(kept_row(), T(0)), T(0), false);
+        return watch(true, filter_.update(kept_row(), T(0)), {psi_.data(), Index(0)}, T(0), false);
     }
     static constexpr std::string_view layer = "guard";
     static std::array<StateOption, 9> options(auto const& g) {
@@ -263,15 +271,28 @@ private:
         Mask const changes(five);
         count(counts_.changes, changes);
         tell(changes, GuardSignal::change);
-        history_.n = select(changes, Count(0), history_.n);
-        return changes && Mask(policy.change == Action::reset);
+        constexpr bool resets = policy.change == Action::reset;
+        if (resets || policy.outlier != Action::skip) forget(changes);  // s2 may be that of rows without noise
+        else history_.n = select(changes, Count(0), history_.n);
+        return changes && Mask(resets);
+    }
+    /// (6), of 2^bits
+    T variance_for(Regressor<T> psi, int bits) {
+        T largest = dot(psi.data(), psi.data(), psi.size());
+        if constexpr (policy.rebuilds())
+            for (Index k = 0; k < ring_.held(); ++k) {
+                T const size = dot(ring_.row(k), ring_.row(k), psi_.size());
+                largest = select(largest < size, size, largest);
+            }
+        T const most = T(std::ldexp(1.0, bits)) / largest;
+        return select(most < start_ && T(0) < most, most, start_);
     }
     /// From theta as it is, and the row that was kept.
     Step<T> restarted_at(Mask const& lanes, T const& y) {
-        forget(lanes);
+        T const variance = variance_for(kept_row(), 3 * significand_bits<T>() / 4);
         return detail::on_lanes<T>(filter_, lanes, [&] {
             auto const theta = filter_.theta();
-            restart(filter_, start_, Regressor<T>(theta), lambda_);
+            restart(filter_, variance, Regressor<T>(theta), lambda_);
             return filter_.update(kept_row(), y);
         });
     }
@@ -280,13 +301,13 @@ private:
         learnt_.n = select(lanes, Count(0), learnt_.n);
         history_.n = select(lanes, Count(0), history_.n);
     }
-    void reset_to_last_finite(Mask const& lanes) {
+    void reset_to_last_finite(Mask const& lanes, T const& variance) {
         detail::on_lanes<T>(filter_, lanes,
-                            [&] { restart(filter_, start_, Regressor<T>(theta_.data(), theta_.size()), lambda_); });
+                            [&] { restart(filter_, variance, Regressor<T>(theta_.data(), theta_.size()), lambda_); });
         forget(lanes);
     }
     /// What follows F's step of a row; where the policy rebuilds, psi_ is the row.
-    Step<T> watch(Mask const& lanes, Step<T> const& step, T const& y, bool learns = true) {
+    Step<T> watch(Mask const& lanes, Step<T> const& step, Regressor<T> psi, T const& y, bool learns = true) {
         if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
         Mask const sound = lanes && detail::equal_to<T>(step.health, Health::sound);
         Mask broken = lanes && !sound;
@@ -297,7 +318,7 @@ private:
             each_value(coordinate_, sound,
                        [&](Index j, Mask const& here) { broken = broken || no_covariance(j, here); });
         }
-        if (any(broken)) repair(broken);
+        if (any(broken)) repair(broken, psi);
         detail::each_lane<T>(lanes, [this](int i) {
             Index &j = detail::of_lane(coordinate_.n, i), &apart = detail::of_lane(apart_.n, i);
             if (j + 1 < psi_.size()) ++j;
@@ -317,8 +338,7 @@ private:
             Index& n = detail::of_lane(learnt_.n, i);
             put(squares_[n++], i, detail::of_lane(square, i));
             if (n < squares_.size()) return;
-            auto const middle = middle_square(i);
-            put(s2_, i, middle / decltype(middle)(0.455));
+            put(s2_, i, noise_of(i));
         });
     }
     template <class X>
@@ -326,11 +346,16 @@ private:
         if constexpr (in_packs) to.set(lane, x);
         else to = x;
     }
-    /// Of a lane, whose squares it orders anew.
-    auto middle_square(int lane) {
+    /// Of a lane, whose squares it orders anew. Where more than half are 0, of an output in steps, say: the median of
+    /// the others times their share.
+    auto noise_of(int lane) {
         auto const middle = [n = squares_.size()](auto* numbers) {
+            using Number = std::remove_reference_t<decltype(*numbers)>;
             std::nth_element(numbers, numbers + n / 2, numbers + n);
-            return numbers[n / 2];
+            if (!(numbers[n / 2] == Number(0))) return Number(numbers[n / 2] / Number(0.455));
+            Index const others = n - Index(std::count(numbers, numbers + n, Number(0)));
+            std::nth_element(numbers, numbers + (n - 1 - others / 2), numbers + n);
+            return Number(numbers[n - 1 - others / 2] * Number(double(others)) / Number(double(n)));
         };
         if constexpr (!in_packs) {
             return middle(squares_.data());
@@ -373,7 +398,7 @@ private:
         detail::on_lanes<T>(filter_, lanes, [&] { return cap_row(filter_, kept_row(), output, lambda_); });
     }
     /// The kept rows anew; without them where they are what broke the filter.
-    void rebuild()
+    void rebuild(T const& variance)
         requires(policy.rebuilds())
     {
         Health worst = Health::sound;
@@ -383,16 +408,17 @@ private:
         }
         if (worst == Health::sound) return;
         ring_.clear();
-        reset_to_last_finite(true);
+        reset_to_last_finite(true, variance);
     }
-    void repair(Mask const& lanes) {
+    void repair(Mask const& lanes, Regressor<T> psi) {
         count(counts_.breakdowns, lanes);
         tell(lanes, GuardSignal::breakdown);
         if constexpr (policy.hands_over())
             if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
-            reset_to_last_finite(lanes);
-            if constexpr (policy.rebuilds()) rebuild();
+            T const variance = variance_for(psi, significand_bits<T>() / 6);
+            reset_to_last_finite(lanes, variance);
+            if constexpr (policy.rebuilds()) rebuild(variance);
         }
     }
 };

@@ -10,7 +10,8 @@ namespace rlslab {
 ///   skip      the row does not reach the filter, nor does its time pass; after a change for ever, unless a change
 ///             resets
 ///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
-///   reset     P = v I, v the largest variance at the start, and theta as it was last seen finite
+///   reset     P = v I, v the largest variance at the start or what the rows at hand admit ((6) of guard.hpp), and
+///   theta as it was last seen finite
 ///   rebuild   reset, then the kept rows anew
 ///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors,
 ///   else as `reset`

@@ -7,23 +7,25 @@
 namespace rlslab::detail {
 
 /// From a factor of P^-1: x = L^-1 psi has psi'theta = z'x and psi'P psi = |x|^2, or sum x_i^2 / D_i. d^2/2
-/// multiplications, which the update does not share.
+/// multiplications, which the update does not share. e is NaN while theta is undetermined.
 template <class T, int N>
 Innovation<T> look(RootInformation<T, N> f, Regressor<T> psi, T const& y) {
-    T const along = variance_along(f, psi);
-    return {y - dot(f.z, f.x), f.lambda + along};
+    T const along = variance_along(f, psi), e = y - dot(f.z, f.x);
+    return {select(f.lengths.determined(f.L), e, undefined<T>()), f.lambda + along};
 }
 template <class T, int N>
 Innovation<T> look(UnitInformation<T, N> f, Regressor<T> psi, T const& y) {
     keep_regressor(psi, f.x);
     eliminate(f.L, f.x);
     divide(f.x, f.D, f.g);
-    return {y - dot(f.z, f.x), f.lambda + dot(f.x, f.g)};
+    T const e = y - dot(f.z, f.x);
+    return {select(f.lengths.determined(f.L, f.D), e, undefined<T>()), f.lambda + dot(f.x, f.g)};
 }
 template <class T, int N>
 Innovation<T> look(NormalEquations<T, N> f, Regressor<T> psi, T const& y) {
     T const along = variance_along(f, psi);  // solves for theta, if it is not
-    return {innovation(y, psi, f.theta), f.lambda + along};
+    T const e = innovation(y, psi, f.theta);
+    return {select(f.started, e, undefined<T>()), f.lambda + along};
 }
 
 /// e and s of the row: F's own where it LooksFirst, else from its form, else those of the filter that F is around.

@@ -252,14 +252,14 @@ void reset(RootInformation<T, N> f, T const& variance, Regressor<T> theta) {
     T const root = T(1) / square_root(variance);
     detail::set_identity(f.L, root);
     scale(f.z, root, f.z);
-    f.lengths.restart(f.L, f.z);
+    f.lengths.start(f.L, f.z);
 }
 template <class T, int N>
 void reset(UnitInformation<T, N> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.z);
     detail::set_identity(f.L, T(1));
     detail::fill(f.D, T(T(1) / variance));
-    f.lengths.restart(f.L, f.D, f.z);
+    f.lengths.start(f.L, f.D, f.z);
 }
 template <class T, int N>
 void reset(NormalEquations<T, N> f, T const& variance, Regressor<T> theta) {

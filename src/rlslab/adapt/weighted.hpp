@@ -90,6 +90,27 @@ public:
         for (T& x : K) x *= by_;
         return K;
     }
+    /// Of an Assessed inside: theta_j, and the next output of a row of weight 1.
+    auto interval(Index j, T const& q = T(1.96))
+        requires requires(F& f) { f.interval(j, q); }
+    {
+        return filter_.interval(j, q);
+    }
+    auto interval(Index j, T const& q = T(1.96)) const
+        requires requires(F const& f) { f.interval(j, q); }
+    {
+        return filter_.interval(j, q);
+    }
+    auto prediction(Regressor<T> psi, T const& q = T(1.96))
+        requires requires(F& f) { f.prediction(psi, q); }
+    {
+        return filter_.prediction(psi, q);
+    }
+    auto prediction(Regressor<T> psi, T const& q = T(1.96)) const
+        requires requires(F const& f) { f.prediction(psi, q); }
+    {
+        return filter_.prediction(psi, q);
+    }
     /// Of the filter inside.
     friend T variance(Weighted& f, Index j) { return variance(f.filter_, j); }
     friend T variance_along(Weighted& f, Regressor<T> psi) { return variance_along(f.filter_, psi); }

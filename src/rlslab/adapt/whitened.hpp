@@ -21,7 +21,7 @@ namespace rlslab {
 /// that R no longer whitens, where lambda < 1 and the data change: P_eta is then as ill-conditioned as the change.
 ///
 /// psi         may be any numbers of this filter
-/// n           `first`, 0: 4 d. More, while R has a zero on its diagonal (no prior, too few rows)
+/// n           `first`, 0: 4 d. More, while R does not determine theta (no prior, too few rows)
 /// stored()    Start's in (1), then P of (3), rounded once more
 /// health      Start's in (1), then F's
 /// Allocates when it is made, and in theta() and gain() of dynamic size. Cost: F's row and d^2/2 multiplications; (3)
@@ -52,7 +52,7 @@ public:
     explicit Whitened(Problem<T> const& problem, Index first = 0)
         : filter_(Problem<T>{.size = problem.size, .forgetting = problem.forgetting, .prior = Prior<T>{}}),
           start_(problem), lambda_(problem.forgetting), L_(problem.size), phi_(problem.size),
-          first_(first == 0 ? 4 * problem.size : first) {
+          first_(first == 0 ? 4 * phi_.size() : first) {  // a fixed size may be left out of the problem
         expects(first >= 0, "0 or more first rows");
     }
 
@@ -92,9 +92,10 @@ public:
     static auto state(auto& w) { return std::tie(w.filter_, w.start_, w.lambda_, w.L_, w.rows_, w.whitened_); }
 
 private:
-    /// (1) is over, unless R is singular or not finite.
+    /// (1) is over, unless R is singular but for rounding, or not finite.
     void whiten() {
         auto const form = start_.form();
+        if (!form.lengths.determined(form.L)) return;
         for (Index i = 0; i < phi_.size(); ++i)
             if (!is_finite(form.L(i, i)) || form.L(i, i) == T(0)) return;
         L_ = form.L;

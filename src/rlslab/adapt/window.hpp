@@ -31,9 +31,9 @@ class RowRing {
     std::vector<T> numbers_;  // d + 1 a row
 
 public:
+    /// Throws std::invalid_argument for rows < 0, or more than memory could hold.
     RowRing(Index size, Index rows)
-        : d_(size), rows_(rows), held_{0, rows}, next_{0, rows > 0 ? rows - 1 : 0},
-          numbers_(size_t((size + 1) * rows), T(0)) {}
+        : d_(size), rows_(rows), held_{0, rows}, next_{0, rows > 0 ? rows - 1 : 0}, numbers_(of(size, rows), T(0)) {}
     Index held() const { return std::min(held_.n, rows_.value); }
     bool full() const { return held_.n == rows_.value; }
     T* row(Index age_from_oldest) {
@@ -50,6 +50,12 @@ public:
     }
     void clear() { held_.n = next_.n = 0; }
     static auto state(auto& r) { return std::tie(r.held_, r.next_, r.numbers_); }
+
+private:
+    static size_t of(Index size, Index rows) {
+        expects(rows >= 0 && product_fits(size_t(size + 1), size_t(rows)), "kept rows that memory could hold");
+        return size_t((size + 1) * rows);
+    }
 };
 
 namespace detail {
@@ -112,9 +118,8 @@ public:
         : Windowed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
     Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
-        : detail::AroundFilter<F>(filter), start_(filter), psi_(filter.theta().size()),
-          options_(checked(options, psi_.size())), ring_(psi_.size(), options.rows), forgetting_(forgetting),
-          spoilt_{0, options.rows} {
+        : detail::AroundFilter<F>(filter), start_(filter), psi_(filter.theta().size()), options_(checked(options)),
+          ring_(psi_.size(), options.rows), forgetting_(forgetting), spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         T const* const root = detail::root_lambda_of(filter_);  // is rounded: W steps wear a row by its square
         T const wear = root ? *root : forgetting;
@@ -205,9 +210,8 @@ public:
     }
 
 private:
-    static WindowOptions<T> const& checked(WindowOptions<T> const& options, Index size) {
+    static WindowOptions<T> const& checked(WindowOptions<T> const& options) {
         expects(options.rows >= 1, "a window of at least one row");
-        expects(options.rows <= std::numeric_limits<Index>::max() / (size + 1), "a window that memory could hold");
         expects(T(1) < options.worse, "an alarm at more than 1 times a fresh filter's error");
         expects(options.refactor_every >= 0, "a schedule of >= 0 rows");
         return options;

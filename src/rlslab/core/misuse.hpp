@@ -1,6 +1,8 @@
 // What happens on misuse, with exceptions and without.
 #pragma once
 
+#include <cstddef>
+
 #ifdef __cpp_exceptions
 #include <cstdio>
 #include <stdexcept>
@@ -32,6 +34,13 @@ namespace detail {
 /// calls on_misuse(what).
 inline void expects(bool holds, char const* what) {
     if (!holds) detail::misused(what);
+}
+
+/// Whether memory could hold a b numbers: their bytes, and those of a few copies, fit a pointer difference. Asked at
+/// every door at which two sizes meet, since a product that wrapped would be a vector that is too short.
+constexpr bool product_fits(std::size_t a, std::size_t b) {
+    constexpr std::size_t most = static_cast<std::size_t>(-1) / 128;
+    return b == 0 || a <= most / b;
 }
 
 }  // namespace rlslab

@@ -11,14 +11,31 @@
 
 namespace rlslab {
 
+namespace detail {
+/// 2^14, or half of the exponents where the arithmetic has fewer than 28: P0 |psi|^2 then stays in its range until
+/// |psi|^2 takes up the other half (binary16: 2^7).
+template <Field R>
+R default_variance() {
+    if constexpr (requires { ArithmeticTraits<R>::max_exp; }) {
+        if constexpr (ArithmeticTraits<R>::min_exp + ArithmeticTraits<R>::digits < 0)
+            if (max_exponent<R>() < 28) return R(std::ldexp(1.0, max_exponent<R>() / 2));
+    }
+    return R(16384);
+}
+}  // namespace detail
+
 /// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse.
 /// P0 is in units of the noise variance sigma^2.
 template <Scalar T>
 struct Prior {
-    RealOf<T> variance = RealOf<T>(16384);  ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
-    std::optional<Vector<T>> theta = {};    ///< theta0, size d; absent: 0
-    std::optional<Matrix<T>> covariance =
-        {};  ///< P0, d x d, symmetric (Hermitian) positive definite; absent: variance x I
+    /// c^2 of P0 = c^2 I, > 0. 2^14, exact in every arithmetic; of formats with fewer than 28 exponents above 1 half of
+    /// these, binary16 2^7
+    RealOf<T> variance = detail::default_variance<RealOf<T>>();
+    std::optional<Vector<T>> theta = {};  ///< theta0, size d; absent: 0
+    /// P0, d x d, symmetric (Hermitian) positive definite; absent: variance x I. Filters take its upper triangle. An
+    /// inverse, or the P of a form that stores it in full, may differ from its mirror image by
+    /// |P_ij - P_ji| <= 2^(-p/2) sqrt(P_ii P_jj), half of p digits; (P + P')/2 does not differ.
+    std::optional<Matrix<T>> covariance = {};
     std::optional<Stored<T>> stored =
         {};  ///< P0 as a filter stores it, in place of both: factors are handed on, P is not made
 };
@@ -59,9 +76,11 @@ Truth<T> is_forgetting_factor(T const& lambda) {
 ///                  (linalg/finite.hpp). An overflow in the stored numbers is reported by this step if one of its sums
 ///                  contains it, and by the next step at the latest
 ///   undetermined   without a prior: before this row there were fewer independent rows than parameters, so that no
-///                  theta could predict y. The row that determines theta is the last to report this. Exact zeros
-///                  decide: rounding may leave a tiny pivot where exact arithmetic has a zero, and such a pivot counts
-///                  as a pivot
+///                  theta could predict y. The row that determines theta is the last to report this. Independent means
+///                  that each pivot stands above its own rounding, |R_jj| > 2^min(p/4, 10) u max |R_ij|
+///                  (linalg/triangles.hpp): a pivot that rounding left where exact arithmetic has a zero is none.
+///                  theta() then is what rounding made of it, and may be 1e15. A passage of forgetting that wears a
+///                  pivot down brings it back. In rationals and in fixed point exact zeros decide
 ///   indefinite     the computed psi'P psi is negative, or a factorisation met a pivot <= 0
 ///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
 /// A sound step is necessary for a definite P, not sufficient: a variant that stores P plainly sees P only along psi.
@@ -163,6 +182,17 @@ Step<T> report_undetermined(T const& seen) {
             select(is_finite(seen), PerLane<T, Health>(Health::undetermined), PerLane<T, Health>(Health::nonfinite))};
 }
 
+/// The step in the lanes where theta was determined before it, elsewhere report_undetermined(seen), or of its
+/// innovation.
+template <Scalar T>
+Step<T> if_determined(Truth<T> const& determined, Step<T> const& step, T const& seen) {
+    return all(determined) ? step : select(determined, step, report_undetermined(seen));
+}
+template <Scalar T>
+Step<T> if_determined(Truth<T> const& determined, Step<T> const& step) {
+    return if_determined(determined, step, step.innovation);
+}
+
 /// The step of a row that was rotated into R:
 ///   gamma = root_gamma^2,   innovation = eta / root_gamma,   residual = eta root_gamma
 /// eta is the rotated output, root_gamma the product of the cosines. determined: R had no zero on its diagonal before
@@ -172,8 +202,26 @@ Step<T> report_rotated(T const& eta, RealOf<T> const& root_gamma, Truth<T> const
     RealOf<T> const gamma = root_gamma * root_gamma;
     Step<T> step = step_of(T(eta / root_gamma), gamma);
     step.residual = eta * root_gamma;
-    return select(determined, step, report_undetermined(eta));
+    return if_determined(determined, step, eta);
 }
+
+namespace detail {
+/// |P_ij - P_ji'| <= 2^(-p/2) sqrt(P_ii P_jj): the two agree in half of their digits, in the parameters' own units.
+template <Scalar T>
+Truth<T> mirrored_but_for_rounding(T const& above, T const& below, RealOf<T> const& P_ii, RealOf<T> const& P_jj) {
+    using R = RealOf<T>;
+    Truth<T> mirrored = above == conjugate(below);
+    if constexpr (RootedScalar<T>) {
+        if (all(mirrored)) return mirrored;
+        R const share = R(std::ldexp(1.0, -significand_bits<R>() / 2)) * square_root(P_ii) * square_root(P_jj);
+        T const apart = above - conjugate(below);
+        if constexpr (ComplexScalar<T>)
+            mirrored = mirrored || (absolute(apart.re) <= share && absolute(apart.im) <= share);
+        else mirrored = mirrored || absolute(apart) <= share;
+    }
+    return mirrored;
+}
+}  // namespace detail
 
 /// Returns the problem. Throws std::invalid_argument unless size >= 1 (or, if fixed_size is not Dynamic, size is that
 /// or 0), 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a
@@ -185,6 +233,7 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     Index const size = implied ? fixed_size : problem.size;
     expects(size >= 1, "size >= 1");
     expects(fixed_size == Dynamic || size == fixed_size, "size equal to the filter's fixed size");
+    expects(product_fits(std::size_t(size), std::size_t(size) + 64), "a size whose square memory could hold");
     expects(all(is_forgetting_factor(problem.forgetting)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
@@ -198,8 +247,10 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
         if (prior.covariance)
             for (Index j = 0; j < size; ++j)
                 for (Index i = 0; i < j; ++i)
-                    expects(all((*prior.covariance)(i, j) == conjugate((*prior.covariance)(j, i))),
-                            "a symmetric prior covariance");
+                    expects(all(detail::mirrored_but_for_rounding<T>(
+                                (*prior.covariance)(i, j), (*prior.covariance)(j, i),
+                                real_part((*prior.covariance)(i, i)), real_part((*prior.covariance)(j, j)))),
+                            "a symmetric prior covariance, as (P + P')/2 is");
         if constexpr (ComplexScalar<T>) {
             if (prior.covariance)
                 for (Index j = 0; j < size; ++j)

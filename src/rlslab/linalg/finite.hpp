@@ -148,11 +148,9 @@ Truth<T> finite_solution(StateVector<T, N> const& right, StateVector<T, N>& x, S
     return all_finite(x);
 }
 /// Whether theta, K and the pivots are finite, by solving for them: R = L', or R = diag(sqrt(D)) L'. x is overwritten.
-/// determined: whether R has no zero on its diagonal.
 template <Scalar T, int N>
 [[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<T, N> const& z,
-                                            StateVector<T, N> const& psi, StateVector<T, N>& x, Truth<T>& determined) {
-    determined = nonsingular(L);
+                                            StateVector<T, N> const& psi, StateVector<T, N>& x) {
     Truth<T> out = finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
     out = out && finite_solution<T, N>(psi, x, [&](auto& b) { solve_outer(L, b); });
     for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
@@ -175,7 +173,40 @@ class ColumnLengths {
     using Bound = BoundOf<T>;
     StateVector<Bound, N> squares_;
     Bound right_ = Bound(0);
-    Truth<T> determined_ = false;
+    // R = L': began with a prior. R = diag(sqrt(D)) L': began without one, which states of older versions never say.
+    Truth<T> mark_ = false;
+
+    /// pivots_above_rounding, from the squares that are at hand where these decide it: of four times the bound, since
+    /// they are rounded, too, and n_j^2 is at least the square of the largest number in column j of R.
+    template <class PivotSquared, class Compare>
+    Truth<T> above_rounding(PivotSquared r2, Compare compare) const {
+        if constexpr (RootedScalar<T>) {
+            double const share = rounding_of_a_pivot<T>();
+            UncountedScope<T> const uncounted;
+            Bound const by = Bound(4 * share * share),
+                        least = Bound(std::ldexp(1.0, -std::min(900, max_exponent<T>())));
+            Truth<T> out = share > 0;
+            for (Index j = 0; j < squares_.size(); ++j) out = out && least < squares_[j] && by * squares_[j] < r2(j);
+            if (all(out)) return out;
+        }
+        return compare();
+    }
+    void add(StateMatrix<T, N> const& L, StateVector<T, N> const& z) {
+        for (Index i = 0; i < z.size(); ++i) {
+            for (Index j = i; j < z.size(); ++j) squares_[j] += square(L(j, i));
+            right_ += square(z[i]);
+        }
+    }
+    void add(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z) {
+        for (Index i = 0; i < z.size(); ++i) {
+            for (Index j = i; j < z.size(); ++j) squares_[j] += Bound(D[i]) * square(L(j, i));
+            right_ += Bound(D[i]) * square(z[i]);
+        }
+    }
+    void mark(StateMatrix<T, N> const& L, StateVector<T, N> const&) { mark_ = nonsingular(L); }
+    void mark(StateMatrix<T, N> const&, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const&) {
+        mark_ = !nonsingular(D);
+    }
 
     static Bound square(T const& x) {
         if constexpr (ComplexScalar<T>) return Bound(x.re) * Bound(x.re) + Bound(x.im) * Bound(x.im);
@@ -244,27 +275,30 @@ class ColumnLengths {
 public:
     explicit ColumnLengths(Index size) : squares_(size) {}
 
-    /// The sums at the start, from a filter's first L (and D) and z.
-    void start(StateMatrix<T, N> const& L, StateVector<T, N> const& z) {
-        for (Index i = 0; i < z.size(); ++i) {
-            for (Index j = i; j < z.size(); ++j) squares_[j] += square(L(j, i));
-            right_ += square(z[i]);
-        }
-        determined_ = nonsingular(L);
+    /// The sums at the start or after a reset, from a filter's first L (and D) and z, which hold a prior or zeros.
+    template <class... Factors>
+    void start(Factors const&... factors) {
+        restart(factors...);
+        mark(factors...);
     }
-    void start(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z) {
-        for (Index i = 0; i < z.size(); ++i) {
-            for (Index j = i; j < z.size(); ++j) squares_[j] += Bound(D[i]) * square(L(j, i));
-            right_ += Bound(D[i]) * square(z[i]);
-        }
-    }
-
-    /// Starts again from what the filter holds now.
+    /// The sums again, from what the filter holds now.
     template <class... Factors>
     void restart(Factors const&... factors) {
         for (Index j = 0; j < squares_.size(); ++j) squares_[j] = Bound(0);
         right_ = Bound(0);
-        start(factors...);
+        add(factors...);
+    }
+
+    /// Whether theta is determined: by a prior, or because every pivot stands above its own rounding.
+    Truth<T> determined(StateMatrix<T, N> const& L) const {
+        if (all(mark_)) return mark_;
+        return mark_ ||
+               above_rounding([&](Index j) { return square(L(j, j)); }, [&] { return pivots_above_rounding(L); });
+    }
+    Truth<T> determined(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D) const {
+        if (!any(mark_)) return !mark_;
+        return !mark_ ||
+               above_rounding([&](Index j) { return Bound(D[j]); }, [&] { return pivots_above_rounding(L, D); });
     }
 
     /// Takes the row [psi' y] of weight w out of the sums, with what rounding may have put into them: they stay bounds.
@@ -285,8 +319,7 @@ public:
                      StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), update(lambda, psi.data(), y), [&](Index j) { return square(L(j, j)); }, right_);
-        if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);
-        return determined_ = proven;
+        return all(proven) ? proven : detail::finite_solutions<T, N>(L, z, psi, x);
     }
     /// add_row in two halves for R = diag(sqrt(D)) L', the first before the row is folded in. There true proves what
     /// the second would return, and that folding the row in does not overflow; false proves nothing.
@@ -303,7 +336,7 @@ public:
         for (Index j = 0; j < psi.size(); ++j) lengths(j);
         return false;
     }
-    /// The same for R = L', which then is determined; `finite` is the second half.
+    /// The same for R = L', which then has no zero on its diagonal; `finite` is the second half.
     bool begin_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L) {
         auto const lengths = update(lambda, psi.data(), y);
         if constexpr (Hardware<T>)
@@ -347,12 +380,9 @@ public:
                     StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
-        if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);
-        return determined_ = proven;
+        return all(proven) ? proven : detail::finite_solutions<T, N>(L, z, psi, x);
     }
-    /// Whether R has no zero on its diagonal; only for R = L'.
-    Truth<T> const& determined() const { return determined_; }
-    static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.determined_); }
+    static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.mark_); }
 };
 
 }  // namespace rlslab

@@ -71,14 +71,14 @@ struct NormalEquations {
     StateVector<RealOf<T>, N>& D;
     StateVector<T, N>& f;  // workspace
     StateMatrix<T, N>&X, &L;
-    Truth<T>&positive, &started;  // X factors; has been seen to factor
+    Truth<T>&positive, &started;  // X factors; has been seen to factor with pivots above their rounding
     PerLane<T, Index>& rows;      // so far; a prior counts as d
     bool& solved;
 
     /// Rounding can make a singular X factor; fewer rows than parameters prove that it is.
     void solve() {
         positive = factor_ldl(X, L, D) && Truth<T>(rows >= theta.size());
-        started = started || positive;
+        if (!all(started)) started = started || (positive && pivots_above_rounding_of(X, D));
         theta = b;
         solve_ldl(L, D, positive, theta);
         solved = true;

@@ -41,6 +41,7 @@ public:
     void resize(Index rows, Index columns) {
         Index const room = Hardware<T> ? 8 * padded<T, Dynamic>(rows) : 0, stride = column_stride<T, Dynamic>(rows),
                     numbers = stride * columns + room;
+        expects(product_fits(size_t(stride), size_t(columns) + 8), "a block that memory could hold");
         if (memory_.size() < numbers) memory_ = StateVector<T>(numbers);
         else if (rows == rows_ && columns == columns_) return;
         rows_ = rows, columns_ = columns;

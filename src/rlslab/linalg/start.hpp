@@ -16,8 +16,8 @@ StateVector<T, N> start_theta(Problem<T> const& problem) {
     return theta;
 }
 
-/// P0 (d x d), a full one bit for bit as given. Throws std::invalid_argument without a prior, or when a full P0 is not
-/// positive definite.
+/// P0 (d x d), the upper triangle of a full one bit for bit as given, and its mirror image. Throws
+/// std::invalid_argument without a prior, or when a full P0 is not positive definite.
 template <Scalar T, int N>
 StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
@@ -40,7 +40,10 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     }
     for (Index j = 0; j < P.size(); ++j)
         if (problem.prior->covariance)
-            for (Index i = 0; i < P.size(); ++i) P(i, j) = (*problem.prior->covariance)(i, j);
+            for (Index i = 0; i <= j; ++i) {
+                P(i, j) = (*problem.prior->covariance)(i, j);
+                P(j, i) = i == j ? P(i, j) : conjugate(P(i, j));
+            }
         else P(j, j) = T(problem.prior->variance);
     return P;
 }

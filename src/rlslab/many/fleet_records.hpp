@@ -198,6 +198,8 @@ private:
 public:
     FleetRecords(F const& pattern, Index count) : pattern_(pattern) {
         packs_ = packs_of_a_record();
+        expects(product_fits(size_t(packs_), size_t(count)) && product_fits(sizeof(F), size_t(count)),
+                "filters that memory could hold");
         if constexpr (in_place) filters_.reserve(size_t(count));
         else numbers_.reserve(size_t(packs_ * count));
         while (count_ < count) append(pattern);

@@ -91,7 +91,7 @@ void check(Problem<double> const& problem, Records const& data, std::vector<Inde
             "ascending steps between 1 and the number of rows");
     expects(!problem.prior || !problem.prior->covariance || !problem.prior->covariance->allFinite() ||
                 *problem.prior->covariance == problem.prior->covariance->transpose(),
-            "a symmetric prior covariance");
+            "a symmetric prior covariance, as (P + P')/2 is");
 }
 
 /// The upper triangle of [M b], prior included, at any working precision; the prior's part is computed once for each

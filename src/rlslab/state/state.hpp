@@ -69,7 +69,7 @@ void describe(To const& to, X const& x) {
         x.describe_state(EntryVisitor(to));
     } else if constexpr (NamesItsState<X>) {
         auto const entry = [&to](char kind, std::string_view name, double value) {
-            StateEntry out{.kind = kind, .value = value};
+            StateEntry out{.kind = kind, .value = value + 0.0};  // -0.0 is the option 0
             std::copy(name.begin(), name.end(), out.name.begin());
             to(out);
         };

@@ -1,0 +1,188 @@
+// What a guard goes back to: the filter is sound there for the rows at hand, and theta is no worse than the filter's
+// alone. What it learns of the noise after rows that had none.
+#include <rlslab/adapt/guard.hpp>
+
+#include "tests/adapt/adapt.hpp"
+
+#include <rlslab/variants/conventional.hpp>
+#include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/information.hpp>
+#include <rlslab/variants/joseph.hpp>
+#include <rlslab/variants/qr.hpp>
+#include <rlslab/variants/symmetric.hpp>
+#include <rlslab/variants/ud.hpp>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace rlslab {
+namespace {
+
+using namespace adapt_laws;
+
+/// |theta - (1, -2, 3, ...)| after 3000 rows of `scale` times bell-shaped noise, with noise of a tenth of that.
+template <class F>
+double error_of(F& f, double scale, Index d) {
+    using T = typename F::scalar;
+    Seed seed{7};
+    Vector<T> psi(d);
+    for (int k = 0; k < 3000; ++k) {
+        double y = 0.1 * scale * seed.bell();
+        for (Index i = 0; i < d; ++i) {
+            psi[i] = T(scale * seed.bell());
+            y += double(psi[i]) * double(i % 2 ? -(i + 1) : i + 1);
+        }
+        f.update(psi, T(y));
+    }
+    double square = 0;
+    for (Index i = 0; i < d; ++i) square += std::pow(double(f.theta()[i]) - double(i % 2 ? -(i + 1) : i + 1), 2);
+    return std::sqrt(square);
+}
+template <class F>
+void check_remedy(double scale, double forgetting, double variance, Index d = 8) {
+    using T = typename F::scalar;
+    Problem<T> const problem{.size = d, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(variance)}};
+    Ud<T> sound(problem);
+    double const best = error_of(sound, scale, d);
+    auto const check = [&](auto guarded, char const* policy) {
+        double const error = error_of(guarded, scale, d);
+        EXPECT_LE(error, 4 * best) << F::name << ' ' << policy << " scale " << scale << " P0 " << variance;
+        EXPECT_LE(guarded.counts().breakdowns, 6)
+            << F::name << ' ' << policy << " scale " << scale << " P0 " << variance;
+        EXPECT_EQ(guarded.counts().changes, 0) << F::name << ' ' << policy;
+    };
+    check(Guarded<F, resetting>(problem), "reset");
+    check(Guarded<F, rebuilding>(problem), "rebuild");
+}
+/// A reset that brings back the P0 that broke the filter breaks it at the next row, and so on: 2994 of 3000 rows.
+TEST(Remedies, AreSoundForTheRowsAtHand) {
+    for (double const scale : {20, 40, 100, 1000}) check_remedy<Information<float>>(scale, 1, 16384);
+    check_remedy<Information<float>>(100, 0.98, 16384);
+    check_remedy<Information<double>>(1e6, 1, 16384);
+    check_remedy<Information<double>>(1e8, 0.98, 16384);
+    for (double const variance : {1, 100, 16384}) check_remedy<Conventional<float>>(std::sqrt(0.125), 1, variance);
+    check_remedy<Conventional<float>>(0.5, 1, 16384, 4);
+    check_remedy<Conventional<float>>(100, 1, 16384);
+    check_remedy<Conventional<double>>(1e6, 1, 16384);
+    check_remedy<Symmetric<float>>(100, 1, 16384);
+    check_remedy<Symmetric<double>>(1e6, 1, 16384);
+    check_remedy<Joseph<float>>(100, 1, 16384);
+    check_remedy<Joseph<double>>(1e6, 1, 16384);
+}
+/// ud breaks down nowhere there: the guard leaves its bits.
+TEST(Remedies, AreNotCalledForWhereNothingBroke) {
+    for (double const scale : {0.3, 20., 100., 1000.}) {
+        Ud<float> alone({.size = 8});
+        Guarded<Ud<float>> guarded({.size = 8});
+        error_of(alone, scale, 8), error_of(guarded, scale, 8);
+        EXPECT_EQ(guarded.counts().breakdowns, 0) << scale;
+        EXPECT_TRUE(identical(guarded.filter(), alone)) << scale;
+    }
+}
+
+/// Without a prior, and 100 rows in which columns depend but for rounding: theta was 1e14 there, "sound", and the first
+/// change brought it back.
+struct Start {
+    char const* what;
+    std::function<void(Seed&, double (&)[3])> row;
+};
+Start const starts[] = {{"13.47 beside ones", [](Seed&, double (&x)[3]) { x[1] = 13.47; }},
+                        {"13.5 beside ones", [](Seed&, double (&x)[3]) { x[1] = 13.5; }},
+                        {"a multiple", [](Seed&, double (&x)[3]) { x[1] = 1.7 * x[2]; }},
+                        {"a sum", [](Seed&, double (&x)[3]) { x[1] = x[0] + x[2]; }},
+                        {"zeros", [](Seed&, double (&x)[3]) { x[1] = 0; }}};
+template <class G>
+void check_start(G guarded, Start const& start) {
+    Seed seed{83};
+    for (int k = 0; k < 400; ++k) {
+        double x[3] = {1, 3 * seed.bell(), 3 * seed.bell()};
+        if (k < 100) start.row(seed, x);
+        Health const health = guarded.update(x, 1.9 + 0.508 * x[1] - 0.803 * x[2] + 0.1 * seed.bell()).health;
+        EXPECT_EQ(health, k <= 100 ? Health::undetermined : Health::sound) << G::name << ' ' << start.what << ' ' << k;
+    }
+    double const theta[] = {1.9, 0.508, -0.803};
+    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(guarded.theta()[i], theta[i], 0.1) << G::name << ' ' << start.what;
+    EXPECT_EQ(guarded.counts().changes + guarded.counts().breakdowns, 0) << G::name << ' ' << start.what;
+}
+TEST(Remedies, TakeNoThetaThatRoundingMade) {
+    auto const check = []<class F>(std::type_identity<F>, Start const& start) {
+        for (double const forgetting : {1.0, 0.99}) {
+            Problem<double> const problem{.size = 3, .forgetting = forgetting, .prior = std::nullopt};
+            check_start(Guarded<F, resetting>(problem), start);
+            check_start(Guarded<F, rebuilding>(problem), start);
+            Windowed<F> const window(problem, {.rows = 60});
+            check_start(Guarded<Windowed<F>, resetting>(window, problem), start);
+        }
+    };
+    for (Start const& start : starts) {
+        check(std::type_identity<Qr<double>>{}, start);
+        check(std::type_identity<Gentleman<double>>{}, start);
+        check(std::type_identity<Information<double>>{}, start);
+    }
+}
+
+/// Rows without noise, then noise: s2 stayed near 0, and each later row was an outlier.
+TEST(Remedies, LearnTheNoiseAnewAfterRowsThatHadNone) {
+    struct Case {
+        char const* what;
+        double (*output)(Index k, double (&psi)[2], Seed& seed);
+        Index outliers;
+    };
+    auto const usual = [](double const(&psi)[2], Seed& seed) { return psi[0] - 2 * psi[1] + 0.1 * seed.bell(); };
+    static auto const of = usual;
+    Case const cases[] = {
+        {"zeros first",
+         [](Index k, double(&psi)[2], Seed& seed) {
+             if (k < 60) psi[0] = psi[1] = 0;
+             return k < 60 ? 0 : of(psi, seed);
+         },
+         20},
+        {"exact rows first",
+         [](Index k, double(&psi)[2], Seed& seed) { return k < 200 ? psi[0] - 2 * psi[1] : of(psi, seed); }, 20},
+        {"a constant, then noise about it",
+         [](Index k, double(&psi)[2], Seed& seed) {
+             psi[0] = 1;
+             return 20.5 + (k < 200 ? 0 : 0.1 * seed.bell());
+         },
+         20},
+        {"in steps",
+         [](Index, double(&psi)[2], Seed& seed) {
+             for (double& x : psi) x = std::round(2 * x);
+             return std::round(psi[0] - 2 * psi[1] + 0.2 * seed.bell());
+         },
+         20},
+        {"noise from the start", [](Index, double(&psi)[2], Seed& seed) { return of(psi, seed); }, 0}};
+    for (Case const& c : cases) {
+        Guarded<Ud<double>, reporting> guarded({.size = 2});
+        Ud<double> alone({.size = 2});
+        Seed seed{89};
+        for (Index k = 0; k < 1000; ++k) {
+            double psi[2] = {seed.bell(), seed.bell()};
+            double const y = c.output(k, psi, seed);
+            guarded.update(psi, y), alone.update(psi, y);
+        }
+        EXPECT_LE(guarded.counts().outliers, c.outliers) << c.what;
+        EXPECT_LE(guarded.counts().changes, c.outliers / 5) << c.what;
+        EXPECT_TRUE(identical(guarded.filter(), alone)) << c.what;  // it reports, and does no more
+    }
+}
+
+/// Products of sizes that wrapped made vectors that were too short: 8 * 2^61 numbers are none.
+TEST(Sizes, WhoseProductWrapsAreRefused) {
+    for (int const bits : {58, 60, 61, 62}) {
+        Index const many = Index(1) << bits;
+        EXPECT_THROW((Guarded<Ud<double>, rebuilding>({.size = 7}, {.rebuild_rows = many})), std::invalid_argument)
+            << bits;
+        EXPECT_THROW((Guarded<Ud<double, 7>, rebuilding>({}, {.rebuild_rows = many})), std::invalid_argument) << bits;
+        EXPECT_THROW(Windowed<Ud<double>>({.size = 7}, {.rows = many}), std::invalid_argument) << bits;
+        EXPECT_THROW(Ud<double>({.size = many}), std::invalid_argument) << bits;
+        EXPECT_THROW(Ud<double>({.size = Index(1) << bits / 2}), std::invalid_argument) << bits;
+        EXPECT_THROW(Information<float>({.size = many + 8}), std::invalid_argument) << bits;
+    }
+    static_assert(product_fits(0, std::size_t(-1)) && product_fits(std::size_t(1) << 40, 1000));
+    static_assert(!product_fits(8, std::size_t(1) << 61) && !product_fits(std::size_t(1) << 32, std::size_t(1) << 32));
+}
+
+}  // namespace
+}  // namespace rlslab
