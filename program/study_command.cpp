@@ -167,7 +167,7 @@ int study_whole(StudyArguments const& a) {
     text += listed("Not in the record:", a.known.empty() ? std::vector<std::string>{} : unrecorded(outcomes, a.known));
     if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
     text += count_lines(outcomes);
-    int undecided = 0;
+    size_t undecided = 0;
     for (Count const& count : counted(outcomes)) undecided += count.undecided;
     if (undecided > 0 && a.options.budget == Budget::quick) {
         std::string names = a.all ? "--all" : "";

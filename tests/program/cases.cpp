@@ -23,9 +23,9 @@ std::vector<Case> const cases{
     // marks between thousands
     {"s02_apostrophe_groups.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 3'384"},
     {"s02_nbsp_groups.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 384"},
-    {"s02_point_groups_tab.csv --regressors menge,stueck --output preis", {}, ":3 1 menge 5.810 925 2 --decimal"},
-    {"s02_point_groups_bar.csv --regressors menge,stueck --output preis", {}, ":3 1 menge 5.810 925 2 --decimal"},
-    {"s02_point_groups_blank.txt --regressors menge,stueck --output preis", {}, ":3 1 menge 5.810 925 2 --decimal"},
+    {"s02_point_groups_tab.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
+    {"s02_point_groups_bar.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
+    {"s02_point_groups_blank.txt --regressors menge,stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
     {"s02_point_groups_tab.csv --regressors stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
     // rows of units and of types
     {"s03_units_row.csv --input u --output y --na 1 --nb 0 --delay 1", {}, ":2 2 u V"},
