@@ -52,6 +52,7 @@ Source source_from(std::string const& entry) {
     if (out.author.empty()) out.author = taken(rest, "^([^.]*)\\. ");
     while (out.author.ends_with(' ')) out.author.pop_back();
     out.title = taken(rest, "^((?:[^.]|\\.[^ ])*)\\. ");
+    if (taken(out.title, " \\((title from memory)\\)$") != "") out.note = "Title from memory. " + out.note;
     while (rest.ends_with(' ') || rest.ends_with('.')) rest.pop_back();
     out.venue = rest;
     std::smatch year;
@@ -97,7 +98,7 @@ std::string Source::bibtex() const {
         out += field("journal", m[1]) + field("volume", m[2]) + field("number", m[3]) +
                field("pages", std::regex_replace(m[4].str(), std::regex("–"), "--"));
     } else {
-        out += field("howpublished", venue);
+        out += field("howpublished", std::regex_replace(venue, std::regex(", " + year + "$"), ""));
     }
     out += field("year", year) + field("doi", doi, true);
     return fmt::format("@{}{{{}{}\n}}\n", kind, key(), out);

@@ -82,6 +82,21 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
     return out;
 }
 
+std::vector<std::string> names_before_lags(std::vector<std::string> words, std::vector<std::string> const& columns) {
+    for (std::string& word : words)
+        if (word.ends_with(']') && std::ranges::find(columns, word) != columns.end()) word += "[k]";
+    return words;
+}
+std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file) {
+    for (std::string& word : words) {
+        word.erase(0, word.find_first_not_of(' '));
+        word.erase(word.find_last_not_of(' ') + 1);
+    }
+    bool const brackets = std::ranges::any_of(words, [](std::string const& word) { return word.ends_with(']'); });
+    std::vector<std::string> const columns = brackets ? columns_among(words, file) : std::vector<std::string>();
+    return names_before_lags(std::move(words), columns);
+}
+
 void define_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
     auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help,
@@ -113,6 +128,8 @@ void define_format(CLI::App& command, CsvFormat& format) {
          "comma, semicolon, tab, bar or blank");
     take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
          "decimal mark of the file's numbers; default: detected", "point or comma");
+    define_names(command, "--missing", format.missing,
+                 "further words or numbers that stand for a missing value: \"No Data\",-999", "WORD[,WORD]");
 }
 
 void print(std::string const& text) {

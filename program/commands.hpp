@@ -5,7 +5,7 @@
 #include "report/provenance.hpp"
 #include "report/stages.hpp"
 
-#include <rlslab/input/csv.hpp>
+#include <rlslab/input/formats/open.hpp>
 
 #include <CLI/CLI.hpp>
 #include <string>
@@ -25,6 +25,11 @@ CLI::Validator named(char const* expected);
 /// "x(:,2),v" the columns x(:,2) and v.
 std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
+/// The words of --regressors, with "[k]" behind those that are names of columns and end in a bracket: a name of the
+/// file goes before the syntax of lags.
+std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file);
+std::vector<std::string> names_before_lags(std::vector<std::string> words, std::vector<std::string> const& columns);
+
 /// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not
 /// swallow FILE behind it.
 void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
@@ -37,7 +42,7 @@ inline constexpr char file_with_missing_values[] =
     "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing "
     "values, and rows that miss one are skipped";
 
-/// --separator and --decimal, of every command that reads a file.
+/// --separator, --decimal and --missing, of every command that reads a file.
 void define_format(CLI::App& command, CsvFormat& format);
 
 /// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the

@@ -76,8 +76,9 @@ int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
     if (a.na >= 0) a.options.na = a.na;
     a.options.composition = composition_of(a.composition, a.options.forgetting);
-    Identified model =
-        identify::identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
+    DataFile file{a.file, a.format};
+    a.options.regressors = names_before_lags(a.options.regressors, file);
+    Identified model = identify::identify(file, a.options, progress_after_a_second("looking at the excitation"));
     model.run = this_run(a.dated, model.file, model.sha256, model.samples);
     std::string written;
     if (!a.out.empty()) {

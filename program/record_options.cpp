@@ -3,7 +3,6 @@
 #include "program/examples.hpp"
 
 #include <rlslab/input/counting.hpp>
-#include <rlslab/input/formats/open.hpp>
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>
 
@@ -142,8 +141,8 @@ Records records_of(Columns const& data, RecordArguments const& a, Model const& m
     return arx_records(inputs, a.inputs, data[a.output], model.arx, data.file);
 }
 
-Columns columns_of(RecordArguments const& a, std::vector<std::string> const& names) {
-    if (a.example.empty()) return read_data({a.file, a.format}, names);
+Columns columns_of(RecordArguments const& a, DataFile const& file, std::vector<std::string> const& names) {
+    if (a.example.empty()) return read_data(file, names);
     return read_text(example_named(a.example, "--example").text, a.example + ".csv", names);
 }
 
@@ -169,8 +168,12 @@ std::vector<std::string> regressor_texts(Columns const& data, RecordArguments co
 
 Question question_of(RecordArguments a, std::optional<Columns>* kept) {
     a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
+    DataFile file{a.file, a.format};
+    bool const known = kept && *kept;
+    if (known) a.regressors = names_before_lags(a.regressors, (*kept)->names);
+    else if (!a.file.empty()) a.regressors = names_before_lags(a.regressors, file);
     Model const model = model_of(a);
-    Columns data = kept && *kept ? **kept : columns_of(a, model.columns);
+    Columns data = known ? **kept : columns_of(a, file, model.columns);
     if (kept && !*kept) *kept = data;
     Question out;
     out.model.file = printable(data.file, 200);

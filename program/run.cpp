@@ -34,7 +34,12 @@ int run(std::vector<std::string> const& words, int rank, std::string const& name
     } catch (std::bad_alloc const&) {
         std::fprintf(stderr, "%s: out of memory\n", name.c_str());
     } catch (std::exception const& error) {
-        if (understood || rank == 0) std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
+        std::string line = error.what();
+        for (char& c : line)
+            if (c == '\n' || c == '\r') c = ' ';
+        if (understood || rank == 0) std::fprintf(stderr, "%s: %s\n", name.c_str(), line.c_str());
+    } catch (...) {
+        std::fprintf(stderr, "%s: something was thrown that is no std::exception\n", name.c_str());
     }
     return 2;
 }

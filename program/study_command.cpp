@@ -46,7 +46,13 @@ Record record_in(std::string const& path) {
     std::error_code none;
     if (!file || std::filesystem::is_directory(path, none))
         throw InputError(fmt::format("--against: {}: cannot be read", printable(path, 200)));
-    std::string const text{std::istreambuf_iterator<char>(file), {}};
+    constexpr size_t most = 1 << 24;  // those of the tree have 70 kB
+    std::string text(most + 1, '\0');
+    file.read(text.data(), std::streamsize(text.size()));
+    text.resize(size_t(file.gcount()));
+    if (text.size() > most)
+        throw InputError(
+            fmt::format("--against: {}: expected a record of verdicts, found more than 16 MB", printable(path, 200)));
     try {
         return record_from(text);
     } catch (InputError const& error) {
@@ -55,6 +61,8 @@ Record record_in(std::string const& path) {
     }
 }
 
+constexpr size_t shown_at_most = 20;  // names of studies on one line
+
 /// Takes the words into what the engine asks for. Throws InputError for an unknown name, or none.
 void resolve(StudyArguments& a) {
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
@@ -62,7 +70,12 @@ void resolve(StudyArguments& a) {
     a.options.program = program_name();
     std::vector<std::string_view> known;
     for (Study const* study : studies::studies()) known.push_back(study->name);
-    for (std::string const& name : a.names) expect_one_of(known, name, "study", "study");
+    for (std::string const& name : a.names)
+        if (std::ranges::find(known, name) == known.end() && known.size() > shown_at_most &&
+            did_you_mean(name, known).empty())
+            throw InputError(fmt::format("study: no study \"{}\"; {} list studies shows the {}", printable(name),
+                                         program_name(), known.size()));
+        else expect_one_of(known, name, "study", "study");
     if (a.all == !a.names.empty())
         throw InputError(fmt::format("study: expected the names of studies ({} list), or --all", program_name()));
     for (Study const* study : studies::studies())
@@ -154,6 +167,14 @@ int study_whole(StudyArguments const& a) {
     text += listed("Not in the record:", a.known.empty() ? std::vector<std::string>{} : unrecorded(outcomes, a.known));
     if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
     text += count_lines(outcomes);
+    size_t undecided = 0;
+    for (Count const& count : counted(outcomes)) undecided += count.undecided;
+    if (undecided > 0 && a.options.budget == Budget::quick) {
+        std::string names = a.all ? "--all" : "";
+        for (std::string const& name : a.names) names += (names.empty() ? "" : " ") + name;
+        text += fmt::format("{} undecided at the quick budget, of few seeds: {} study {} --budget full has more\n",
+                            undecided, program_name(), names);
+    }
     double const wrong = expected_errors(outcomes);
     text += fmt::format("{} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
                         wrong < 0.01 ? "less than 0.01" : fmt::format("at most {:.2f}", wrong), a.out);
@@ -267,7 +288,8 @@ Command study_command(CLI::App& app) {
         ->type_name("FILE");
     studying
         ->add_option("--against", st->against,
-                     "compare the verdicts with the record in FILE, as --record wrote it; default: this program's own")
+                     "compare the verdicts with those in FILE: a record that --record wrote, or the verdicts.json of a "
+                     "folder of --out; default: this program's own record")
         ->check(named("a file"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("FILE");

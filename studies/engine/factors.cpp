@@ -118,6 +118,29 @@ Cell value_of(Study const& study, std::string const& factor, std::string const& 
 
 }  // namespace
 
+namespace {
+
+/// Throws InputError for a column that would be there twice, and for a factor without values or with one twice.
+void expect_a_table(Study const& study, std::vector<Factor> const& factors) {
+    auto const refuse = [&](std::string const& what) {
+        throw InputError(fmt::format("study {}: {}", study.name, what));
+    };
+    std::vector<std::string> columns;
+    for (Factor const& factor : factors) {
+        columns.push_back(factor.name);
+        if (factor.values.empty()) refuse(fmt::format("factor \"{}\" has no values", printable(factor.name)));
+        for (auto value = factor.values.begin(); value != factor.values.end(); ++value)
+            if (std::find(factor.values.begin(), value, *value) != value)
+                refuse(fmt::format("factor \"{}\" has {} twice", printable(factor.name), as_text(*value)));
+    }
+    columns.insert(columns.end(), study.measures.begin(), study.measures.end());
+    for (auto column = columns.begin(); column != columns.end(); ++column)
+        if (std::find(columns.begin(), column, *column) != column)
+            refuse(fmt::format("two factors or measures have the name \"{}\"", printable(*column)));
+}
+
+}  // namespace
+
 FactorValues factor_values_from(std::string const& text, std::string_view option) {
     size_t const equals = std::min(text.find('='), text.size());
     FactorValues out{text.substr(0, equals), {}};
@@ -133,6 +156,7 @@ FactorValues factor_values_from(std::string const& text, std::string_view option
 
 std::vector<Factor> factors_of(Study const& study, RunOptions const& options) {
     std::vector<Factor> out = study.factors(options.budget);
+    expect_a_table(study, out);
     std::vector<std::string_view> names;
     for (Factor const& factor : out) names.push_back(factor.name);
     for (auto const& [name, values] : options.set) {

@@ -4,10 +4,10 @@
 #include <rlslab/core/input_error.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sstream>
 #include <sys/file.h>
 #include <unistd.h>
 #include <utility>
@@ -19,21 +19,29 @@ namespace {
     throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), std::strerror(errno)));
 }
 
-/// "CHECKSUM NUMBER|line|line...": tables hold no bar.
+constexpr char between = '"';  // the lines of a trial: they are CSV in which no cell needs quotes
+
+/// CHECKSUM NUMBER"line"line...
 std::string line_of(size_t trial, std::vector<std::string> const& lines) {
     std::string body = std::to_string(trial);
-    for (std::string const& line : lines) body += '|' + line;
+    for (std::string const& line : lines) body += between + line;
     return fmt::format("{:016x} {}\n", hash(body), body);
 }
 
 bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& into) {
     if (line.size() < 18 || line.substr(0, 16) != fmt::format("{:016x}", hash(line.substr(17)))) return false;
-    std::istringstream parts(line.substr(17));
-    std::string part;
-    std::getline(parts, part, '|');
-    std::vector<std::string>& lines = into[std::stoul(part)];
+    std::string_view rest = std::string_view(line).substr(17);
+    size_t trial = 0;
+    auto const [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), trial);
+    rest.remove_prefix(size_t(end - rest.data()));
+    if (error != std::errc() || (!rest.empty() && rest.front() != between)) return false;
+    std::vector<std::string>& lines = into[trial];
     lines.clear();
-    while (std::getline(parts, part, '|')) lines.push_back(part);
+    while (!rest.empty()) {
+        rest.remove_prefix(1);
+        lines.emplace_back(rest.substr(0, rest.find(between)));
+        rest.remove_prefix(lines.back().size());
+    }
     return true;
 }
 

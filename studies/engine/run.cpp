@@ -84,6 +84,30 @@ std::vector<std::string> provenance(Study const& study, RunOptions const& option
             fmt::format("compiler: {}", compiler),   "command: " + command};
 }
 
+/// What a study's own code throws, whatever it is, as a std::runtime_error that begins with its place.
+void named_where_it_throws(std::string const& place, std::function<void()> const& own_code) {
+    std::string why;
+    try {
+        return own_code();
+    } catch (std::bad_variant_access const&) {
+        why = "number() of a factor's value that is a word, or text() of a number (numbers are written without quotes)";
+    } catch (std::exception const& failure) {
+        why = failure.what();
+    } catch (...) {
+        why = "it threw what is no std::exception";
+    }
+    throw std::runtime_error(fmt::format("{}: {}", place, why));
+}
+
+/// Throws unless each row has a cell for each factor and measure.
+void expect_cells(Study const& study, Trial const& trial, std::vector<std::string> const& lines) {
+    auto const factors = std::ptrdiff_t(trial.values().size()), measures = std::ssize(study.measures);
+    for (std::string const& line : lines)
+        if (auto const cells = std::ranges::count(line, ',') + 1 - factors; cells != measures)
+            throw std::logic_error(fmt::format("expected {} cells in a row, one for each of {}, found {}", measures,
+                                               fmt::join(study.measures, ", "), cells));
+}
+
 /// The trials of one study and their results.
 struct Running {
     Study const* study;
@@ -168,7 +192,8 @@ Outcome finish(Running const& run, RunOptions const& options) {
     replace_file(options.out / (study.name + ".csv"), csv);
     if (options.changed()) return out;
     for (Claim const& claim : study.claims) {
-        out.judgements.push_back(claim.judge(out.table));
+        named_where_it_throws(fmt::format("study {}: claim \"{}\"", study.name, claim.text),
+                              [&] { out.judgements.push_back(claim.judge(out.table)); });
         Judgement const& judgement = out.judgements.back();
         if (judgement.proven == claim.basis.proof.empty() && (judgement.proven || judgement.verdict != Verdict::fails))
             throw std::logic_error(
@@ -219,12 +244,11 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
         tbb::parallel_for_each(work.begin(), work.end(), [&](Work const& one) {
             auto const [run, k] = one;
             TrialOutput measured(run->trials[k]);
-            try {
-                run->study->measure(run->trials[k], measured);
-            } catch (std::exception const& failure) {
-                throw std::runtime_error(fmt::format("study {}, trial {}: {}", run->study->name,
-                                                     csv_line(run->trials[k].values()), failure.what()));
-            }
+            named_where_it_throws(
+                fmt::format("study {}, trial {}", run->study->name, csv_line(run->trials[k].values())), [&] {
+                    run->study->measure(run->trials[k], measured);
+                    expect_cells(*run->study, run->trials[k], measured.lines());
+                });
             std::lock_guard const lock(one_at_a_time);
             run->lines[k] = measured.lines();
             run->journal->add(k, measured.lines());

@@ -136,7 +136,15 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes) {
 Record record_from(std::string const& json) {
     Record out;
     try {
-        Json const all = Json::parse(json);
+        Json all = Json::parse(json);
+        if (all.contains("studies") && all["studies"].is_array()) {  // what a run leaves: out/verdicts.json
+            Json as_record = Json::object();
+            for (Json const& study : all["studies"])
+                for (Json const& claim : study.at("claims"))
+                    as_record[study.at("name").get<std::string>()][claim.at("claim").get<std::string>()] =
+                        claim.at("verdict");
+            all = as_record;
+        }
         for (auto const& [study, claims] : all.items())
             for (auto const& [claim, verdict] : claims.items()) {
                 std::string const& said = verdict.get_ref<std::string const&>();

@@ -109,13 +109,16 @@ TEST(CsvRefuses, WhatOtherProgramsWrite) {
     EXPECT_THAT(refusal("\x1f\x8b\x08", {"u"}), Names("data.csv UTF-8 gzip"));
     EXPECT_THAT(refusal("PK\x03\x04", {"u"}), Names("data.csv UTF-8 CSV"));
     EXPECT_THAT(refusal("\xd0\xcf\x11\xe0", {"u"}), Names("data.csv UTF-8 CSV"));
+    EXPECT_THAT(refusal(std::string("u\0,\0y\0\n\0", 8), {"u"}), Names("data.csv UTF-8 UTF-16LE iconv"));
+    EXPECT_THAT(refusal(std::string("\0u\0,\0y\0\n", 8), {"u"}), Names("data.csv UTF-8 UTF-16BE iconv"));
+    EXPECT_THAT(refusal(std::string("\0\0\0\0\n", 5), {"u"}), Names("data.csv:1 zero"));
 }
 
 RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
     auto const flag = [] { return *rc::gen::arbitrary<bool>(); };
     std::size_t const columns = *rc::gen::inRange<std::size_t>(2, 5), rows = *rc::gen::inRange<std::size_t>(1, 12);
     char const separator = *rc::gen::element(';', '\t', ' ', '|'), decimal = *rc::gen::element('.', ',');
-    bool const header = flag(), given = separator == '|' || flag();
+    bool const header = flag(), given = flag();
     std::string text = given || flag() ? "" : fmt::format("sep={}\r\n", separator);
     auto const between = [&](std::size_t j) {
         return j == 0             ? ""
@@ -184,10 +187,29 @@ TEST(PointOrThousands, IsAPointWhereAnotherNumberShowsIt) {
     EXPECT_EQ(read("u;y\n1.000;0.125\n", {"u"})["u"], (Numbers{1})) << "in another column";
     for (std::string const shown : {"0.125", "1234.567", "1.5e3", ".5", "12.", "1.2345"})
         EXPECT_EQ(read("u;y\n1.000;" + shown + "\n", {"u"})["u"], (Numbers{1})) << shown;
-    // Without a semicolon it stays what it was.
-    EXPECT_EQ(read("u\n999\n1.000\n1.001\n", {"u"})["u"], (Numbers{999, 1, 1.001}));
+    // Without a semicolon, and without a column that has whole numbers, too.
+    EXPECT_EQ(read("t\tu\n1\t1.000\n2\t1.001\n", {"u"})["u"], (Numbers{1, 1.001}));
     EXPECT_EQ(read("u,y\n1.047,2.001\n", {"u"})["u"], (Numbers{1.047}));
     EXPECT_EQ(read("u\ty\n1.047\t2\n", {"u"})["u"], (Numbers{1.047}));
+}
+/// "1.047" among "967": who writes three decimals writes them in every row. The same behind every separator.
+TEST(PointOrThousands, IsRefusedWhereAColumnHasWholeNumbersToo) {
+    auto const table = [](char separator, std::vector<Words> const& rows) {
+        std::string text;
+        for (Words const& row : rows)
+            for (size_t j = 0; j < row.size(); ++j) text += row[j] + (j + 1 < row.size() ? separator : '\n');
+        return text;
+    };
+    for (char const separator : std::string(",;\t| ")) {
+        std::vector<Words> const rows{{"u", "y"}, {"967", "3.384"}, {"1.047", "4.001"}};
+        EXPECT_THAT(refusal(table(separator, rows), {"u"}), Names("data.csv:3 1 u 1.047 967 2 --decimal"));
+        EXPECT_THAT(refusal(table(separator, rows), {"y"}), Names("data.csv:2 2 y 3.384 967 2 --decimal"));
+        EXPECT_EQ(read(table(separator, rows), {"u"}, {.decimal = '.'})["u"], (Numbers{967, 1.047}));
+        std::vector<Words> const decimals{{"u", "y"}, {"967", "3.38"}, {"1.047", "4.001"}};
+        EXPECT_EQ(read(table(separator, decimals), {"u"})["u"], (Numbers{967, 1.047})) << "3.38 shows the point";
+    }
+    EXPECT_THAT(refusal("u\n999\n1.000\n1.001\n", {"u"}), Names("data.csv:3 1 u 1.000 999 2 --decimal"));
+    EXPECT_THAT(refusal("u,y\n\"967\",\"-3.384\"\n\"1.047\",\"4.001\"\n", {"y"}), Names("data.csv:2 2 y -3.384"));
 }
 TEST(CommaOrThousands, AnyColumnShowsWhich) {
     EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u"})["u"], (Numbers{1.234}));
@@ -203,6 +225,58 @@ TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
     for (size_t k = 0; k < u.size(); ++k) EXPECT_EQ(std::isnan(u[k]), k == 1 || k == 3 || k == 4) << k;
     EXPECT_EQ(read("u,v\n1,1\n\n2,2\n", {"u"})["u"], (Numbers{1, 2})) << "of two columns a row would have a separator";
     EXPECT_EQ(read("u\n\n1\n2\n", {"u"})["u"], (Numbers{1, 2})) << "above the first row";
+}
+
+// --- what stands above the table -------------------------------------------------------------------------------------
+
+TEST(Above, CommentsOfAnyProgramAreSkipped) {
+    for (std::string const mark : {"#", "%", "//", "!"})
+        EXPECT_EQ(read(mark + " by hand, 7\n" + mark + "\nu,y\n1,2\n", {"y"})["y"], (Numbers{2})) << mark;
+    EXPECT_THAT(refusal("% a\n! b\n", {"u"}), Names("data.csv comments"));
+}
+TEST(Above, ACommentMayHaveTheNames) {
+    for (std::string const mark : {"# ", "%", "// ", "!"}) {
+        Columns const data = read("%\n" + mark + "u y\n1 2\n3 4\n", {"y", "u"});
+        EXPECT_EQ(data.values, (std::vector<Numbers>{{2, 4}, {1, 3}})) << mark;
+        EXPECT_EQ(data.lines, (std::vector<long>{3, 4}));
+        EXPECT_EQ(read(mark + "u,y\n1,2\n", {"1"})["1"], (Numbers{1})) << "and numbers still are";
+    }
+    EXPECT_EQ(read("% load,name\n45,abc\n", {"% load"})["% load"], (Numbers{45})) << "a name that looks like one";
+    EXPECT_THAT(refusal("# u u\n1 2\n", {"u"}), Names("data.csv:1 u 1 2"));
+    EXPECT_THAT(refusal("# u y z\n1 2\n", {"u"}), Names("data.csv u 1 2"));
+}
+TEST(Above, LinesOfAnotherKindEndWhereTheNamesStand) {
+    std::string const logger = "Logger: X100, \"v2\" of Mon 5 May\nSerial;1234\n\n\"Date\" 2024\n";
+    Columns const data = read(logger + "t;Speed [rpm];u\n0;1,5;2\n1;3;4\n", {"Speed [rpm]", "u"});
+    EXPECT_EQ(data.values, (std::vector<Numbers>{{1.5, 3}, {2, 4}}));
+    EXPECT_EQ(data.lines, (std::vector<long>{6, 7}));
+    EXPECT_EQ(read("a b c\nd e\nu y\n1 2\n", {"y"})["y"], (Numbers{2})) << "words over words";
+    EXPECT_EQ(read("u is the voltage\nt,u\n1,2\n", {"u"})["u"], (Numbers{2}))
+        << "a sentence has other cells than a row";
+    EXPECT_EQ(read("Logger\nu\n1\n\n2\n", {"u"}).rows(), 3) << "a blank line of one column is a missing value";
+    EXPECT_THAT(refusal(logger + "t;u\n0;1\n", {"v"}), Names("data.csv:1"));
+    EXPECT_THAT(refusal("x\n1,2\n3,4\n", {"1", "2"}), Names("data.csv 2 x")) << "numbers are no names of a row below";
+    EXPECT_THAT(refusal(logger + "t;u;u\n0;1;1\n", {"u"}), Names("data.csv:5 u 2 3"));
+}
+TEST(Separator, ABarIsFoundOut) {
+    EXPECT_EQ(read("u|y\n1,5|2\n", {"u"})["u"], (Numbers{1.5}));
+    EXPECT_EQ(read("1,5|2,5\n3,5|4,5\n", {"2"})["2"], (Numbers{2.5, 4.5}));
+    EXPECT_EQ(read("|u|\n1\n", {"|u|"})["|u|"], (Numbers{1})) << "in names";
+    EXPECT_EQ(read("|u|,|y|\n1,2\n", {"|y|"})["|y|"], (Numbers{2}));
+}
+
+// --- words for missing values ----------------------------------------------------------------------------------------
+
+TEST(Missing, WordsAndNumbersMayBeDeclared) {
+    CsvFormat const format{.missing = {"No Data", "-1.#ind", "-999"}};
+    Numbers const u = read("u,y\nno data,1\n-1.#IND,2\n-999.0,3\n-999.5,4\n", {"u"}, format)["u"];
+    ASSERT_EQ(u.size(), 4u);
+    for (size_t k = 0; k < 3; ++k) EXPECT_TRUE(std::isnan(u[k])) << k;
+    EXPECT_EQ(u[3], -999.5);
+    EXPECT_FALSE(read("No Data,1\n2,3\n", {"2"}, format).header) << "no name";
+    EXPECT_THAT(refusal("u,y\nNo Data,1\n", {"u"}), Names("data.csv:2 1 u No Data --missing"));
+    EXPECT_THAT(refusal("u,y\n-1.#IND,1\n", {"u"}), Names("data.csv:2 1 u -1.#IND --missing"));
+    EXPECT_EQ(refusal("u,y\n1.5D+3,1\n", {"u"}).find("--missing"), std::string::npos) << "a number of a kind";
 }
 
 // --- a first row of numbers and text ---------------------------------------------------------------------------------

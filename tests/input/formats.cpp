@@ -48,6 +48,22 @@ TEST(Gzip, IsReadByItsContent) {
     EXPECT_EQ(read(packed("u|y\n1|2\n"), {"y"}, {.separator = '|'})["y"], (Numbers{2}));
     EXPECT_THAT(refusal(packed("u,y\n1,2\n3,x\n"), {"y"}), Names("data:3 2 y x"));
 }
+TEST(Gzip, ItsMarksAreInDoubtAsInPlainText) {
+    EXPECT_THAT(refusal(packed("u\ty\n967\t1.047\n1.047\t2.001\n"), {"u"}), Names("data:3 1 u 1.047 967 --decimal"));
+}
+TEST(ColumnsAmong, AreCellsOfTheFirstLinesAndTheFileIsReadFromItsBeginning) {
+    std::string const text = "% by hand\nLogger\nt;y[k-1];\"Speed [rpm]\"\n1;2;3\n";
+    Words const words{"y[k-1]", "y[k-2]", "Speed [rpm]", "u"};
+    Folder const folder;
+    for (std::string const& bytes : {text, packed(text)}) {
+        DataFile file(folder.file(bytes, "data"));
+        EXPECT_EQ(columns_among(words, file), (Words{"y[k-1]", "Speed [rpm]"}));
+        EXPECT_EQ(read_data(file, {"Speed [rpm]"})["Speed [rpm]"], (Numbers{3}));
+    }
+    DataFile damaged(folder.file(packed(text).substr(0, 20), "data"));
+    EXPECT_EQ(columns_among(words, damaged), (Words{}));
+    EXPECT_THAT(folder.without(message_of([&] { read_data(damaged, {"t"}); })), Names("data"));
+}
 TEST(Gzip, PartsThatWereJoinedAreOneFile) {
     EXPECT_EQ(read(packed("u,y\n1,2\n3,") + packed("") + packed("4\n"), {"y"})["y"], (Numbers{2, 4}));
     EXPECT_EQ(read(packed("u\n1\n") + std::string(513, '\0'), {"u"})["u"], (Numbers{1}));  // as a tape pads it
@@ -166,6 +182,26 @@ TEST(Matlab, WhatIsNoRealVectorIsNamed) {
     EXPECT_THAT(refusal(file, {"X"}), Names("data X 1073741824 3"));
     EXPECT_TRUE(std::isnan(read(Mat5().add("u", 2, 1, {1, std::nan("")}).bytes, {"u"})["u"][1]));  // a missing value
     EXPECT_THAT(refusal(Mat5().bytes, {"u"}), Names("data"));
+}
+TEST(Matlab, AStructureIsNamedWithItsFieldsAndTheRemedy) {
+    auto const structure = [](Mat5 file) {  // data, of the fields u and speed
+        std::string const names = std::string("u\0\0\0\0\0\0\0", 8) + std::string("speed\0\0\0", 8);
+        file.put(std::uint32_t(14)), file.put(std::uint32_t(16 + 16 + 16 + 8 + 8 + names.size()));
+        file.put(std::uint32_t(6)), file.put(std::uint32_t(8)), file.put(std::uint32_t(2)), file.put(std::uint32_t(0));
+        file.put(std::uint32_t(5)), file.put(std::uint32_t(8)), file.put(std::int32_t(1)), file.put(std::int32_t(1));
+        file.put(std::uint32_t(1)), file.put(std::uint32_t(4)), file.bytes += "data", file.pad();
+        file.put(std::uint32_t(5 | 4 << 16)), file.put(std::int32_t(8));
+        file.put(std::uint32_t(1)), file.put(std::uint32_t(names.size())), file.bytes += names;
+        return file.bytes;
+    };
+    for (Words const& asked : {Words{"u"}, Words{"data"}, Words{"data.u"}})
+        EXPECT_THAT(refusal(structure(Mat5()), asked), Names("data u speed -struct")) << asked[0];
+    EXPECT_THAT(refusal(structure(Mat5().add("Ts", 1, 1, {0.1})), {"u"}), Names("data u Ts speed -struct"));
+    EXPECT_EQ(read(structure(Mat5().add("Ts", 1, 1, {0.1})), {"Ts"})["Ts"], (Numbers{0.1}));
+}
+TEST(Matlab, ANumberMayStandForAMissingValue) {
+    EXPECT_TRUE(
+        std::isnan(read(Mat5().add("u", 2, 1, {1, -999}).bytes, {"u"}, {.missing = {"No Data", "-999"}})["u"][1]));
 }
 TEST(Matlab, CutShortItIsRefused) {
     std::string const whole = Mat5().add("u", 3, 1, {1, 2, 3}).bytes;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <regex>
 #include <set>
 
 namespace {
@@ -90,6 +91,22 @@ TEST(Bibliography, HasASourceForEveryVariant) {
                 << source->text;
             EXPECT_TRUE(keys.insert(source->key()).second) << source->key();
             EXPECT_EQ(source->bibtex().find("ead."), std::string::npos) << source->bibtex();  // what was read of it
+            // Read back, the entry is the page's: the same persons, then the same title.
+            std::smatch m;
+            std::string const entry = source->bibtex();
+            ASSERT_TRUE(
+                std::regex_search(entry, m, std::regex("author    = \\{([^{}]*)\\},\n  title     = \\{([^{}]*)\\}")))
+                << entry;
+            std::string persons = std::regex_replace(m[1].str(), std::regex(" and "), ", & ");
+            for (size_t at; persons.find(", & ") != (at = persons.rfind(", & "));)
+                persons.replace(persons.find(", & "), 4, ", ");
+            EXPECT_TRUE(source->text.starts_with(persons + " " + m[2].str())) << entry;
+            EXPECT_TRUE(std::regex_match(
+                m[1].str(), std::regex("([^,.;]+, ([A-Z]\\.[ -]?)+( and [^,.;]+, ([A-Z]\\.[ -]?)+)*|[^,;]*)")))
+                << entry;
+            EXPECT_EQ(m[2].str().find_first_of(";("), std::string::npos) << entry;
+            EXPECT_FALSE(std::regex_search(entry, std::regex("howpublished = [^\n]*, " + source->year + "\\}")))
+                << entry;
         }
     }
 }

@@ -97,6 +97,21 @@ TEST_F(Program, ComparesVerdictsWithARecordInAFile) {
     refused("study gain_identities --against none.json --out none", "--against: none.json: found \"perhaps\"");
     EXPECT_FALSE(fs::exists(folder / "none"));
 }
+TEST_F(Program, ComparesVerdictsWithThoseOfAFolder) {
+    ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
+    Outcome const same = shell("rlslab study gain_identities --out again --against out/verdicts.json");
+    EXPECT_EQ(same.code, 0) << same.err << same.out;
+    std::string text = read(folder / "out/verdicts.json");
+    for (size_t at = 0; (at = text.find("\"holds\"", at)) != text.npos; at += 7)
+        if (text[at + 7] != ':') text.replace(at, 7, "\"fails\"");
+    write("other.json", text);
+    EXPECT_EQ(shell("rlslab study gain_identities --out again --against other.json").code, 1);
+    refused("study gain_identities --out again --against /dev/zero", "--against /dev/zero 16");
+}
+TEST_F(Program, NamesTheFullBudgetWhereFewSeedsLeaveClaimsUndecided) {
+    Outcome const run = shell("rlslab study joseph_condition --out out");
+    EXPECT_THAT(run.out, HasSubstr("rlslab study joseph_condition --budget full"));
+}
 TEST_F(Program, DescribesAStudy) {
     Outcome const said = shell("rlslab study hilbert --describe");
     EXPECT_EQ(said.code, 0);

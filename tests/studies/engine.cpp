@@ -7,6 +7,7 @@
 #include <rlslab/studies/verdicts.hpp>
 #include "tests/common/files.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -132,6 +133,54 @@ TEST(StudyEngine, KilledAtAnyMomentAndStartedAgainItEndsWithTheSameBytes) {
     EXPECT_EQ(text_of(killed + "/gain_error.csv"), text_of(whole + "/gain_error.csv"));
 }
 
+/// What a study of one's own may do: its error is one that begins with the study's name.
+TEST(StudyEngine, AnOwnStudyThatIsWrongIsNamed) {
+    auto const why = [](std::function<void(Study&)> const& spoilt) {
+        files::Folder const folder;
+        Study study = toy();
+        spoilt(study);
+        try {
+            run(study, {.out = folder.path});
+        } catch (std::exception const& error) {
+            return std::string(error.what());
+        }
+        return std::string("no error");
+    };
+    using Measure = std::function<void(Trial const&, TrialOutput&)>;
+    auto const measuring = [](Measure const& measure) { return [measure](Study& s) { s.measure = measure; }; };
+    EXPECT_THAT(why(measuring([](Trial const&, TrialOutput&) { throw 5; })), Names("toy a,1 exception"));
+    EXPECT_THAT(why(measuring([](Trial const&, TrialOutput& out) {
+                    out({1.0, 2.0, 3.0});
+                })),
+                Names("toy 2 draw sum 3"));
+    EXPECT_THAT(why(measuring([](Trial const& trial, TrialOutput&) { trial.number("word"); })), Names("toy number"));
+    EXPECT_THAT(why([](Study& s) { s.claims[0].judge = [](Table const&) -> Judgement { throw 5; }; }),
+                Names("toy 120 exception"));
+    auto const factors = [](std::vector<Factor> const& list) {
+        return [list](Study& s) { s.factors = [list](Budget) { return list; }; };
+    };
+    EXPECT_THAT(why(factors({{"n", {1.0}}, {"n", {2.0}}})), Names("toy n"));
+    EXPECT_THAT(why(factors({{"n", {1.0, 1.0}}, {"word", {"a"}}})), Names("toy n 1"));
+    EXPECT_THAT(why(factors({{"n", {}}, {"word", {"a"}}})), Names("toy n"));
+    EXPECT_THAT(why(factors({{"n", {1.0}}, {"word", {"a"}}, {"sum", {1.0}}})), Names("toy sum"));
+}
+/// A word of a table may hold a bar, also as its last letter, or be empty: the journal parts by what CSV forbids.
+TEST(StudyEngine, EveryCellOfATableComesBackFromTheJournal) {
+    files::Folder const folder;
+    Study study = toy();
+    study.factors = [](Budget) { return std::vector<Factor>{{"word", {"a|b", "|", "c"}}}; };
+    study.measure = [](Trial const& trial, TrialOutput& out) {
+        if (trial.text("word") != "c") out({"|", "x|"}), out({"", ""});  // and a trial without rows
+    };
+    run(study, {.out = folder.path});
+    std::string const first = text_of(folder.path / "toy.csv");
+    EXPECT_NE(first.find("a|b,|,x|\na|b,,\n|,|,x|\n|,,\n"), std::string::npos) << first;
+    Outcome const again = run(study, {.out = folder.path});
+    EXPECT_EQ(again.resumed, 3u);
+    EXPECT_EQ(text_of(folder.path / "toy.csv"), first);
+    std::ofstream(folder.path / ".trials/toy", std::ios::app) << fmt::format("{:016x} x\n", hash("x"));  // no number
+    EXPECT_EQ(run(study, {.out = folder.path}).resumed, 3u);
+}
 TEST(StudyEngine, AFalseClaimIsCaught) {
     files::Folder const folder;
     Study const& study = **std::ranges::find(studies::studies(), "gain_error", &Study::name);

@@ -19,8 +19,6 @@ using namespace csv;
 
 namespace {
 
-constexpr std::string_view separators = ",;\t| ";
-
 std::string listed(std::vector<std::string> const& names) {
     constexpr std::size_t shown = 8;
     std::string list;
@@ -35,6 +33,18 @@ char named_separator(std::string_view line) {
     bool const is_one =
         line.size() == 5 && (line.starts_with("sep=") || line.starts_with("SEP=") || line.starts_with("Sep="));
     return is_one ? line[4] : '\0';
+}
+
+/// The cells of the line, if all that are requested are among them.
+std::optional<std::vector<std::string>> names_in(std::string_view line, char separator,
+                                                 std::vector<std::string> const& requested) {
+    Row row;
+    if (row.split(line, separator) != Row::Result::whole) return std::nullopt;
+    std::vector<std::string> cells;
+    for (std::size_t i = 0; i < row.size(); ++i) cells.emplace_back(row[i]);
+    for (auto const& name : requested)
+        if (std::ranges::find(cells, name) == cells.end()) return std::nullopt;
+    return cells;
 }
 
 /// The row as one possible separator divides it.
@@ -59,9 +69,12 @@ struct Split {
 struct CsvFile::State {
     Lines lines;
     CsvFormat format;  // as far as it is known
+    char given;        // separator; 0: none
     long most;         // numbers that may be stored
     Row row = {};
     bool header = false, finished = false;
+    std::string above = {}, unsplit = {};  // the last comment above the first row; why that row cannot be split
+    long above_line = 0;
     std::vector<std::string> names = {};
     long first = 0;                      // line of the first row, header or not
     long line = 0;                       // line on which the row begins
@@ -71,9 +84,10 @@ struct CsvFile::State {
         {};  // in a file of one column, since the last row: values that are missing if another row follows
     Marks marks = Marks(format.decimal);
 
-    [[noreturn]] void fail(long at, std::string const& message) const {
-        throw InputError(fmt::format("{}:{}: {}", lines.name(), at, message));
+    std::string told(long at, std::string const& message) const {
+        return fmt::format("{}:{}: {}", lines.name(), at, message);
     }
+    [[noreturn]] void fail(long at, std::string const& message) const { throw InputError(told(at, message)); }
     [[noreturn]] void fail(long at, std::size_t column, std::string const& message) const {
         std::string const name = header ? fmt::format(" ({})", printable(names[column])) : "";
         fail(at, fmt::format("column {}{}: {}", column + 1, name, message));
@@ -81,10 +95,16 @@ struct CsvFile::State {
     std::optional<std::string_view> next_text();
     bool look_below();
     char separator_of(std::string const& text);
-    void split_row(std::string_view text);
+    std::string split(std::string_view text);
+    void split_row(std::string_view text) {
+        if (std::string const why = split(text); !why.empty()) throw InputError(why);
+    }
     bool first_row();
     bool next_row();
     void use_numbers_as_names(std::vector<std::string> const& requested);
+    bool names_above(std::vector<std::string> const& requested);
+    bool names_below(std::vector<std::string> const& requested);
+    Reading reading(std::string_view cell) const { return reading_of(cell, format.missing); }
     void pass(std::optional<Marks::Fault> const& fault) const {
         if (fault) fail(fault->at.line, fault->at.column, fault->message);
     }
@@ -101,13 +121,16 @@ std::optional<std::string_view> CsvFile::State::next_text() {
         if (char const named = searching && lines.number() == 1 ? named_separator(*text) : '\0') {
             if (separators.find(named) == separators.npos)
                 fail(1, "expected sep= with a comma, semicolon, tab, bar or blank, found " + in_quotes(*text));
-            if (format.separator == 0) format.separator = named;
+            if (format.separator == 0) given = format.separator = named;
             continue;
         }
         bool const blank = text->find_first_not_of(format.separator == ' ' ? " \t" : " ") == text->npos;
         if (blank && !searching && names.size() == 1 && long(blank_lines.size()) < most)
             blank_lines.push_back(lines.number());
-        if (!blank && !(searching && text->starts_with('#'))) break;
+        if (blank) continue;
+        if (!searching || comment_mark(*text) == 0) break;
+        above = *text;
+        above_line = lines.number();
     }
     line = lines.number();
     if (text->find('"') == text->npos) return text;
@@ -142,6 +165,16 @@ char CsvFile::State::separator_of(std::string const& text) {
     quotes.follow(text);
     for (char const sure : {'\t', ';'})
         if (quotes.saw(sure)) return sure;
+    if (quotes.saw('|')) {
+        Split const by_bars(text, '|');
+        first = line;  // from here on, '#' begins a row
+        bool const more = look_below();
+        auto const fits = [&](Split const& here, char separator) {
+            return here.cells > 1 && (!more || Split(below, separator).cells == here.cells);
+        };
+        Split const by_commas(text, ',');
+        if (fits(by_bars, '|') && (!fits(by_commas, ',') || (by_bars.values && !by_commas.values))) return '|';
+    }
     char const one_column = format.decimal == ',' ? ';' : ',';
     Split const by_blanks(text, ' ');
     if (quotes.saw(',')) {
@@ -156,19 +189,23 @@ char CsvFile::State::separator_of(std::string const& text) {
     std::size_t const cells = Split(below, ' ').cells;
     if (cells == by_blanks.cells) return ' ';
     if (cells > 1)
-        fail(first,
-             fmt::format(
-                 "expected as many names as cells below, found {} words over {} in line {} (quote a name that holds "
-                 "blanks, or give the separator: --separator)",
-                 by_blanks.cells, cells, *below_line));
+        unsplit = told(
+            first,
+            fmt::format(
+                "expected as many names as cells below, found {} words over {} in line {} (quote a name that holds "
+                "blanks, or give the separator: --separator)",
+                by_blanks.cells, cells, *below_line));
     return one_column;
 }
 
-void CsvFile::State::split_row(std::string_view text) {
-    auto const result = row.split(text, format.separator);
-    if (result == Row::Result::open) fail(line, fmt::format("column {}: expected a closing quote", row.size() + 1));
-    if (result == Row::Result::broken)
-        fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
+/// Splits the row; what is wrong with it, or nothing.
+std::string CsvFile::State::split(std::string_view text) {
+    switch (row.split(text, format.separator)) {
+        case Row::Result::open: return told(line, fmt::format("column {}: expected a closing quote", row.size() + 1));
+        case Row::Result::broken:
+            return told(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
+        default: return "";
+    }
 }
 
 bool CsvFile::State::first_row() {
@@ -177,7 +214,8 @@ bool CsvFile::State::first_row() {
     std::string const copy(*text);
     if (format.separator == 0) format.separator = separator_of(copy);
     first = line;
-    split_row(copy);
+    std::string const why = split(copy);
+    if (unsplit.empty()) unsplit = why;
     return true;
 }
 
@@ -205,7 +243,7 @@ void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& reques
     if (under.split(below, format.separator) != Row::Result::whole || under.size() != names.size()) return;
     bool number = false, text = false;
     for (std::size_t i = 0; i < names.size(); ++i) {
-        Kind const here = reading_of(names[i]).kind, there = reading_of(under[i]).kind;
+        Kind const here = reading(names[i]).kind, there = reading(under[i]).kind;
         if (here == Kind::text && is_value(there) && there != Kind::missing) return;  // a name over a number
         number |= is_value(here) && here != Kind::missing;
         text |= here == Kind::text && there == Kind::text;
@@ -220,8 +258,43 @@ void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& reques
     names = std::move(numbers);
 }
 
+/// The comment above the first row has the names: "# u y" over "1 2".
+bool CsvFile::State::names_above(std::vector<std::string> const& requested) {
+    std::string_view const text = above;
+    for (std::size_t const mark : {std::size_t(0), comment_mark(text)})
+        for (char const separator : separators)
+            if (auto cells = names_in(text.substr(mark), separator, requested); cells && cells->size() == row.size()) {
+                names = *std::move(cells);
+                return header = true;
+            }
+    return false;
+}
+
+/// A row below has them, over one of equally many cells: lines of another kind stand above the table.
+bool CsvFile::State::names_below(std::vector<std::string> const& requested) {
+    for (auto const& name : requested)
+        if (reading(name).kind != Kind::text) return false;
+    std::string_view const possible = given == 0 ? separators : std::string_view(&given, 1);
+    for (int k = 0; k < lines_with_names && look_below(); ++k) {
+        std::string const here = std::exchange(below, {});
+        line = *std::exchange(below_line, std::nullopt);
+        bool const more = look_below();
+        for (char const separator : possible) {
+            auto cells = names_in(here, separator, requested);
+            if (!cells || (more && Split(below, separator).cells != cells->size())) continue;
+            names = *std::move(cells);
+            format.separator = separator;
+            first = line;
+            blank_lines.clear();
+            unsplit.clear();
+            return header = true;
+        }
+    }
+    return false;
+}
+
 double CsvFile::State::number_in(std::size_t column) {
-    auto const [kind, value] = reading_of(row[column]);
+    auto const [kind, value] = reading(row[column]);
     if (!is_value(kind)) fail(line, column, complaint(kind, row[column]));
     pass(marks.number(kind, line, column, row[column]));
     return value;
@@ -231,7 +304,10 @@ CsvFile::CsvFile(std::string const& path, CsvFormat format)
     : CsvFile(bytes_of_file(path), name_of_file(path), format) {}
 
 CsvFile::CsvFile(ByteSource bytes, std::string file, CsvFormat format, long most)
-    : state_(new State{.lines = Lines(std::move(bytes), std::move(file)), .format = format, .most = most}) {
+    : state_(new State{.lines = Lines(std::move(bytes), std::move(file)),
+                       .format = format,
+                       .given = format.separator,
+                       .most = most}) {
     expects(format.separator == 0 || separators.find(format.separator) != separators.npos,
             "a separator , ; | tab or blank");
     expects(format.decimal == 0 || format.decimal == '.' || format.decimal == ',', "a decimal point or comma");
@@ -239,7 +315,7 @@ CsvFile::CsvFile(ByteSource bytes, std::string file, CsvFormat format, long most
     if (!s.first_row())
         throw InputError(fmt::format("{}: expected rows of numbers, found {}", s.lines.name(),
                                      s.lines.number() == 0 ? "an empty file" : "only comments and blank lines"));
-    for (std::size_t i = 0; i < s.row.size(); ++i) s.header |= reading_of(s.row[i]).kind == Kind::text;
+    for (std::size_t i = 0; i < s.row.size(); ++i) s.header |= s.reading(s.row[i]).kind == Kind::text;
     for (std::size_t i = 0; i < s.row.size(); ++i)
         s.names.push_back(s.header ? std::string(s.row[i]) : std::to_string(i + 1));
 }
@@ -258,14 +334,19 @@ Columns CsvFile::read(std::vector<std::string> const& requested) {
     expects(!s.finished, "a file that was not read before");
     s.finished = true;
     if (s.header) s.use_numbers_as_names(requested);
+    bool const there = s.unsplit.empty() && std::ranges::all_of(requested, [&](auto const& name) {
+                           return std::ranges::find(s.names, name) != s.names.end();
+                       });
+    bool const above = !there && s.unsplit.empty() && s.names_above(requested);
+    if (!there && !above && !s.names_below(requested) && !s.unsplit.empty()) throw InputError(s.unsplit);
     std::vector<std::size_t> columns;
-    std::string const names_at = fmt::format("{}:{}", s.lines.name(), s.first);
+    std::string const names_at = fmt::format("{}:{}", s.lines.name(), above ? s.above_line : s.first);
     for (auto const& name : requested)
         columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
     Columns data{.file = s.lines.name(), .header = s.header, .names = requested};
     data.values.resize(requested.size());
     long const most_rows = s.most / long(requested.size() + 1);  // one more for the line on which each row begins
-    for (bool more = !s.header || s.next_row(); more; more = s.next_row()) {
+    for (bool more = !s.header || above || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
             bool const halves = s.format.separator == ',' && s.row.size() == 2 * s.names.size();
             s.fail(s.line,

@@ -31,26 +31,29 @@ inline constexpr long most_numbers = 1L << 28;
 
 /// The format of a text. 0: found out from the text.
 struct CsvFormat {
-    char separator = 0;  ///< ',', ';', '\t', '|', or ' ' for runs of blanks and tabs
-    char decimal = 0;    ///< '.' or ','
+    char separator = 0;                     ///< ',', ';', '\t', '|', or ' ' for runs of blanks and tabs
+    char decimal = 0;                       ///< '.' or ','
+    std::vector<std::string> missing = {};  ///< cells that are no values, besides the usual words; case is ignored
 };
 
 /// A CSV file; the constructor opens it and reads its first row. The rest of the format is found out:
 ///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else
-///               comma, else blanks if the next row has as many cells as the first
+///               bar if the next row has as many, else comma, else blanks if the next row has as many cells as the first
 ///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad
 ///               numbers); not where all columns are requested by number, and it is text and numbers over text and
-///               numbers in the same columns
-///   rows        LF, CRLF or CR; '#' lines above the first row and blank lines are skipped, but a blank line between
-///               rows of one cell is a missing value; all have equally many cells
+///               numbers in the same columns. Where it has not all names that are requested: the comment above it, or
+///               the first of the next 100 rows that has them all above a row of equally many cells (a preamble)
+///   rows        LF, CRLF or CR; lines of '#', '%', '!' or "//" above the first row and blank lines are skipped, but a
+///               blank line between rows of one cell is a missing value; all have equally many cells
 ///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces
 ///               are dropped
 ///   numbers     decimal; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
 ///   decimals    a point or a comma, the same in the columns read. "1,234" may have a mark between thousands instead,
-///               and so may "1.234" where a semicolon separates or any cell has a decimal comma: a number of another
-///               form, in any column, must show which
-///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?"
-/// The name of a column is that in the header; without a header it is the column's number: "1", "2", ...
+///               and so may "1.234" where a semicolon separates, any cell has a decimal comma, or a column has whole
+///               numbers, too: a number of another form, in any column, must show which
+///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?", and the words of the format
+/// The name of a column is that in the header; without a header it is the column's number: "1", "2", ... `names` knows
+/// the first row alone.
 class CsvFile {
 public:
     /// Opens path ("-": standard input; it may be a FIFO, because all is read once and in order). Throws InputError

@@ -63,10 +63,17 @@ std::optional<Marks::Fault> Marks::number(Kind kind, long line, std::size_t colu
 
 void Marks::row(Row const& row, long line) {
     if (given_) return;
+    columns_.resize(row.size());
     auto const look_at = [&](std::size_t i) {
-        char const mark = mark_shown(row[i]);
-        if (auto& first = mark == ',' ? comma_ : point_; mark != 0 && !first)
-            first = Cell{line, i, std::string(row[i])};
+        std::string_view const cell = row[i];
+        Column& column = columns_[i];
+        bool const marked = cell.find_first_of(".,") != cell.npos;
+        if (marked && !column.group) column.group = reading_of(cell).kind == Kind::point_or_group;
+        if (!marked && !column.whole && cell.find_first_not_of("0123456789", cell.starts_with('-')) == cell.npos &&
+            reading_of(cell).kind == Kind::whole)
+            column.whole = Cell{line, i, std::string(cell)};
+        char const mark = mark_shown(cell);
+        if (auto& first = mark == ',' ? comma_ : point_; mark != 0 && !first) first = Cell{line, i, std::string(cell)};
     };
     if (mark_ != 0)  // a decimal comma alone can contradict it then
         for (std::size_t i = 0; !comma_ && (i = row.with_one(',', i)) < row.size(); ++i) look_at(i);
@@ -79,24 +86,28 @@ std::optional<Marks::Fault> Marks::end(char separator) const {
         bool const comma = at.text.find(',') != at.text.npos;
         std::string shown = "no number says which";
         if (other) {
-            bool const decimal =
-                other->text.find(comma ? '.' : ',') != other->text.npos;  // else grouped by the mark in doubt
+            auto const has = [&](char mark) { return other->text.find(mark) != other->text.npos; };
             shown = fmt::format("{} in line {} has {}", in_quotes(other->text), other->line,
-                                decimal ? comma ? "a decimal point" : "a decimal comma"
-                                : comma ? "commas between thousands"
-                                        : "points between thousands");
+                                has(comma ? '.' : ',')   ? comma ? "a decimal point" : "a decimal comma"
+                                : !has('.') && !has(',') ? "no decimals"
+                                : comma                  ? "commas between thousands"
+                                                         : "points between thousands");
         }
         return Fault{
             at,
-            fmt::format("{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former)",
-                        in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
+            fmt::format(
+                "{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former; take it out if it is the latter)",
+                in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
     };
     if (point_group_ && comma_) return doubt(*point_group_, comma_);
     if (mark_ != 0) return std::nullopt;
     if (comma_group_ && point_) return doubt(*comma_group_, point_);
     if (comma_group_ && point_group_) return Fault{*comma_group_, complaint(Kind::grouped, comma_group_->text)};
     if (comma_group_ && !comma_) return doubt(*comma_group_, std::nullopt);
-    if (point_group_ && !point_ && separator == ';') return doubt(*point_group_, std::nullopt);
+    if (!point_group_ || point_) return std::nullopt;
+    auto const mixed = std::ranges::find_if(columns_, [](Column const& c) { return c.group && c.whole; });
+    if (mixed != columns_.end()) return doubt(*point_group_, mixed->whole);
+    if (separator == ';') return doubt(*point_group_, std::nullopt);
     return std::nullopt;
 }
 

@@ -7,7 +7,8 @@
 namespace rlslab::csv {
 
 /// The mark is given, or that of the first number that can be read in one way alone. "1,234" and "1.234" may have a
-/// mark between thousands instead: the other numbers decide, also those in columns that are not requested.
+/// mark between thousands instead: the other numbers decide, also those in columns that are not requested. A program
+/// that writes three decimals writes them in every row: "967" and "1.047" in one column are in doubt.
 class Marks {
 public:
     struct Cell {
@@ -35,6 +36,11 @@ private:
     long line_ = 0;                                  // that showed it
     std::optional<Cell> comma_group_, point_group_;  // the first like "1,234" and "1.234"
     std::optional<Cell> comma_, point_;              // the first decimal comma and point in any column
+    struct Column {
+        std::optional<Cell> whole;  // the first like "967"
+        bool group = false;         // one like "1.047"
+    };
+    std::vector<Column> columns_;
 
     std::optional<Fault> set_mark(char mark, Cell at);
 };

@@ -62,7 +62,17 @@ Reading with_comma(std::string_view cell, bool plus, std::string_view magnitude)
 
 }  // namespace
 
-Reading reading_of(std::string_view cell) {
+bool is_among(std::vector<std::string> const& words, double value) {
+    return std::ranges::any_of(words, [&](std::string const& word) { return reading_of(word).value == value; });
+}
+
+Reading reading_of(std::string_view cell, std::vector<std::string> const& words) {
+    if (!words.empty()) {
+        if (std::ranges::any_of(words, [&](std::string const& word) { return same_word(cell, word); }))
+            return {Kind::missing};
+        Reading const number = reading_of(cell);
+        return is_among(words, number.value) ? Reading{Kind::missing} : number;
+    }
     if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "n/a") ||
         same_word(cell, "#n/a") || same_word(cell, "null"))
         return {Kind::missing};
@@ -87,7 +97,12 @@ std::string complaint(Kind kind, std::string_view cell) {
         case Kind::out_of_range:
             return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + in_quotes(cell);
         case Kind::grouped: return "expected a number without marks between thousands, found " + in_quotes(cell);
-        default: return "expected a number, found " + in_quotes(cell);
+        default: {
+            std::string const found = in_quotes(cell);
+            bool const word = cell.find_first_of("0123456789") == cell.npos || cell.find('#') != cell.npos;
+            return "expected a number, found " + found +
+                   (word ? " (--missing " + found + " if that is no value)" : std::string());
+        }
     }
 }
 

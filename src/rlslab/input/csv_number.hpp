@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rlslab::csv {
 
@@ -15,7 +16,10 @@ struct Reading {
     Kind kind;
     double value = std::numeric_limits<double>::quiet_NaN();  // a mark that may be either read as decimal
 };
-Reading reading_of(std::string_view cell);
+/// words: what stands for a missing value besides the usual words; "-999" also for "-999.0".
+Reading reading_of(std::string_view cell, std::vector<std::string> const& words = {});
+/// Whether one of the words is that number.
+bool is_among(std::vector<std::string> const& words, double value);
 
 /// Whether the cell has a value or is missing.
 bool is_value(Kind kind);

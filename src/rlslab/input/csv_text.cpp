@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace rlslab::csv {
@@ -80,10 +81,9 @@ std::optional<std::string_view> Lines::next() {
 namespace {
 
 std::string_view separators_of(char separator) {
-    constexpr std::string_view all = ",;\t|";
-    if (separator == 0) return all.substr(0, 3);
+    if (separator == 0) return separators.substr(0, 4);
     if (separator == ' ') return " \t";
-    return all.substr(all.find(separator), 1);
+    return separators.substr(separators.find(separator), 1);
 }
 
 }  // namespace
@@ -128,6 +128,27 @@ Row::Result Row::split(std::string_view row, char separator) {
     if (at_ == At::quoted) return Result::open;
     if (!blanks || at_ != At::start || ends_.empty()) end_cell();
     return Result::whole;
+}
+
+std::size_t comment_mark(std::string_view line) {
+    if (line.starts_with("//")) return 2;
+    return line.starts_with('#') || line.starts_with('%') || line.starts_with('!');
+}
+
+std::vector<std::string> cells_among(std::vector<std::string> const& words, ByteSource bytes, std::string name) {
+    Lines lines(std::move(bytes), std::move(name));
+    std::vector<std::string> out;
+    Row row;
+    for (int k = 0; k < lines_with_names; ++k) {
+        auto const line = lines.next();
+        if (!line) break;
+        for (std::size_t const mark : {std::size_t(0), comment_mark(*line)})
+            for (char const separator : separators)
+                if (row.split(line->substr(mark), separator) == Row::Result::whole)
+                    for (std::size_t i = 0; i < row.size(); ++i)
+                        if (std::ranges::find(words, row[i]) != words.end()) out.emplace_back(row[i]);
+    }
+    return out;
 }
 
 std::size_t Row::with_one(char c, std::size_t i) const {

@@ -88,4 +88,11 @@ public:
     Result split(std::string_view row, char separator);
 };
 
+inline constexpr std::string_view separators = ",;\t| ";
+/// The length of the mark with which a line above the first row begins that is a comment; 0: it is none.
+std::size_t comment_mark(std::string_view line);
+inline constexpr int lines_with_names = 100;  // at the beginning of a file, in which its names are looked for
+/// Those of the words that are cells of one of these lines, however they are separated.
+std::vector<std::string> cells_among(std::vector<std::string> const& words, ByteSource bytes, std::string name);
+
 }  // namespace rlslab::csv

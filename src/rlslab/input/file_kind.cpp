@@ -10,8 +10,9 @@ struct FileKind {
     std::string_view begins, what;
 };
 
-constexpr FileKind of_bytes[] = {{"\xff\xfe", "UTF-16"},
-                                 {"\xfe\xff", "UTF-16"},
+constexpr std::string_view utf_16 = "UTF-16: save it as UTF-8 (iconv -f UTF-16LE -t UTF-8, or UTF-16BE)";
+constexpr FileKind of_bytes[] = {{"\xff\xfe", utf_16},
+                                 {"\xfe\xff", utf_16},
                                  {"\x1f\x8b", "gzip's compressed data: unpack them first"},
                                  {"BZh91AY", "bzip2's compressed data: unpack them first"},
                                  {"\xfd"
@@ -35,11 +36,20 @@ constexpr FileKind of_bytes[] = {{"\xff\xfe", "UTF-16"},
                                   "a program"}};
 constexpr std::string_view of_markup[] = {"<!doctype html", "<html", "<head", "<body", "<table"};
 
+/// Whether one of every two bytes is zero: letters and digits in UTF-16, which begins without a mark.
+bool in_pairs(std::string_view begin) {
+    begin = begin.substr(0, std::min<std::size_t>(begin.size(), 16));
+    bool zero[2] = {begin.size() > 1, begin.size() > 1};
+    for (std::size_t i = 0; i < begin.size(); ++i) zero[i % 2] &= begin[i] == '\0';
+    return zero[0] != zero[1];
+}
+
 }  // namespace
 
 std::string_view not_a_table(std::string_view begin) {
     for (auto const& [begins, what] : of_bytes)
         if (begin.starts_with(begins)) return what;
+    if (in_pairs(begin)) return utf_16;
     if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
     begin.remove_prefix(std::min(begin.find_first_not_of(" \t"), begin.size()));
     auto const same = [](char a, char b) { return ('A' <= a && a <= 'Z' ? a - 'A' + 'a' : a) == b; };

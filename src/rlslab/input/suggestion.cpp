@@ -52,7 +52,24 @@ std::string_view nearest(std::string_view requested, std::vector<std::string_vie
 
 std::string did_you_mean(std::string_view requested, std::vector<std::string_view> const& names) {
     std::string_view const name = nearest(requested, names);
-    return name.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", printable(name));
+    if (!name.empty()) return fmt::format(" (did you mean \"{}\"?)", printable(name));
+    // "josef": those that begin most like it
+    constexpr std::size_t at_least = 3, shown = 4;
+    auto const common = [&](std::string_view other) {
+        return std::size_t(std::ranges::mismatch(requested, other, same).in1 - requested.begin());
+    };
+    std::size_t longest = std::max(at_least, (requested.size() + 1) / 2);
+    std::vector<std::string> like;
+    for (std::string_view const other : names) {
+        if (common(other) < longest) continue;
+        if (common(other) > longest) like.clear();
+        longest = common(other);
+        like.push_back(fmt::format("\"{}\"", printable(other)));
+    }
+    if (like.empty()) return "";
+    bool const more = like.size() > shown;
+    like.resize(std::min(like.size(), shown));
+    return fmt::format(" (did you mean {}{}?)", fmt::join(like, ", "), more ? " ..." : "");
 }
 
 void expect_one_of(std::vector<std::string_view> const& names, std::string_view requested, std::string_view where,

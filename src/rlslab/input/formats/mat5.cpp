@@ -165,6 +165,20 @@ void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& req
     }
 }
 
+/// The names of a structure's fields: each has the same length, with zeros behind it. None where there are very many.
+std::vector<std::string> field_names(Reader& r) {
+    std::string const length = contents(r, "length of field names", 4);
+    if (length.empty()) return {};
+    auto const each = std::size_t(std::max(r.number<std::int32_t>(length), 1));
+    Tag const tag = tag_within(r, "field names");
+    if (tag.small || tag.bytes > 4096) return {};
+    std::string all(tag.bytes, '\0');
+    r.need(all);
+    std::vector<std::string> out;
+    for (std::size_t at = 0; at + each <= all.size(); at += each) out.emplace_back(all.substr(at, each).c_str());
+    return out;
+}
+
 MatVariable read_matrix(Reader& r, std::vector<std::string> const& requested) {
     std::string const flags = contents(r, "flags", 8);
     if (flags.empty()) r.fail("a variable has no flags");
@@ -179,6 +193,7 @@ MatVariable read_matrix(Reader& r, std::vector<std::string> const& requested) {
         sizes.push_back(std::size_t(size));
     }
     MatVariable out(contents(r, "name", 1), is, first & flag_complex, sizes);
+    if (is == MatClass::structure) out.has_fields(field_names(r));
     read_numbers(r, out, requested);
     return out;
 }

@@ -47,12 +47,21 @@ Columns read_mat73(std::string const& path, std::vector<std::string> const& requ
     std::unique_ptr<mat_t, Close> const mat(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
     if (!mat)
         fail("a MATLAB file of version 7.3 that matio cannot open: damaged, or matio has no HDF5 (save it with -v7)");
+    std::string const ended =
+        " that ends with a zero (h5py: attrs.create('MATLAB_class', numpy.bytes_('double'), dtype='S8') writes it)";
     std::vector<MatVariable> variables;
     while (Variable const v{Mat_VarReadNextInfo(mat.get())}) {
         std::vector<std::size_t> sizes;
         for (int i = 0; v->dims && i < v->rank; ++i) sizes.push_back(v->dims[i]);
         variables.emplace_back(v->name ? v->name : "", MatClass(v->class_type), v->isComplex != 0, sizes);
+        if (v->class_type == MAT_C_EMPTY) variables.back().why = "no MATLAB_class" + ended;
+        if (v->class_type != MAT_C_STRUCT) continue;
+        std::vector<std::string> fields;
+        char* const* const names = Mat_VarGetStructFieldnames(v.get());
+        for (unsigned i = 0; names && i < Mat_VarGetNumberOfFields(v.get()); ++i) fields.emplace_back(names[i]);
+        variables.back().has_fields(fields);
     }
+    if (variables.empty()) fail("expected variables, found none with a MATLAB_class" + ended);
     for (MatVariable& variable : variables) {
         auto const requested_columns = columns_requested(variable, requested);
         if (requested_columns.empty()) continue;

@@ -44,6 +44,15 @@ MatVariable::MatVariable(std::string called, MatClass is, bool complex, std::vec
     if (!why.empty()) rows = cols = 0;
 }
 
+void MatVariable::has_fields(std::vector<std::string> const& fields) {
+    constexpr std::size_t shown = 8;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(shown, fields.size()); ++i) list += (i ? ", " : "") + printable(fields[i], 40);
+    if (!list.empty())
+        why = fmt::format("a structure with the fields {}{}: save('file.mat', '-struct', '{}') makes variables of them",
+                          list, fields.size() > shown ? " ..." : "", printable(name));
+}
+
 std::string MatVariable::column_name(std::size_t j) const {
     return cols == 1 ? name : fmt::format("{}_{}", name, j + 1);
 }
@@ -76,6 +85,9 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
             auto const found = v.values.find(j);
             values.push_back(found == v.values.end() ? nullptr : &found->second);
         }
+    std::string others;  // variables that are no columns
+    for (MatVariable const& v : variables)
+        if (!v.why.empty()) others += fmt::format("{}{} is {}", others.empty() ? "" : "; ", printable(v.name), v.why);
     Columns data{.file = file, .names = requested};
     for (std::string const& name : requested) {
         auto const v = std::ranges::find(variables, name, &MatVariable::name);
@@ -87,6 +99,12 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
         std::string called = name;
         for (MatVariable const& of : variables)
             for (std::size_t const j : columns_requested(of, {name})) called = of.column_name(j);
+        if (!others.empty() && std::ranges::find(names, called) == names.end())
+            fail(fmt::format("no column \"{}\"; {}{}{}", shown, fmt::join(names, ", "),
+                             names.empty()       ? ""
+                             : names.size() == 1 ? " is one; "
+                                                 : " are columns; ",
+                             others));
         std::vector<double> const& column = *values[column_called(called, names, true, file, file)];
         for (std::size_t i = 0; i < column.size(); ++i)
             if (std::abs(column[i]) > largest_value)

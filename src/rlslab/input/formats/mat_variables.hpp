@@ -35,6 +35,8 @@ struct MatVariable {
     std::map<std::size_t, std::vector<double>> values = {};  ///< those of its columns that are needed
 
     MatVariable(std::string called, MatClass is, bool complex, std::vector<std::size_t> const& sizes);
+    /// Of a structure: its fields, for messages.
+    void has_fields(std::vector<std::string> const& fields);
     std::string column_name(std::size_t j) const;  ///< "x_2", or "x" if it is the only one
     /// Whether `requested` is that name, or "x(:,2)".
     bool is_column(std::size_t j, std::string const& requested) const;

@@ -1,9 +1,14 @@
 // The first bytes of a file decide which reader is used.
 #include <rlslab/input/formats/open.hpp>
 
+#include <rlslab/input/csv_number.hpp>
+#include <rlslab/input/csv_text.hpp>
 #include <rlslab/input/formats/gzip.hpp>
 #include <rlslab/input/formats/mat.hpp>
 #include <rlslab/input/sha256.hpp>
+
+#include <algorithm>
+#include <limits>
 
 namespace rlslab {
 namespace {
@@ -19,10 +24,22 @@ Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string
     if (!is_mat(begin)) return CsvFile(std::move(bytes), name, file.format).read(requested);
     if (file.format.separator != 0 || file.format.decimal != 0)
         throw InputError(name + ": a MATLAB file has no separators and decimal marks");
-    if (!is_mat73(begin)) return read_mat5(std::move(bytes), name, requested);
-    if (compressed || file.path == "-")
+    if (is_mat73(begin) && (compressed || file.path == "-"))
         throw InputError(name + ": a MATLAB file of version 7.3 is read from a regular file alone");
-    return read_mat73(file.path, requested);
+    Columns out = is_mat73(begin) ? read_mat73(file.path, requested) : read_mat5(std::move(bytes), name, requested);
+    for (auto& column : out.values)
+        std::ranges::replace_if(
+            column, [&](double x) { return csv::is_among(file.format.missing, x); },
+            std::numeric_limits<double>::quiet_NaN());
+    return out;
+}
+
+ByteSource bytes_of(std::string_view text) {
+    return [text, at = std::make_shared<std::size_t>(0)](std::span<char> to) {
+        std::size_t const count = text.copy(to.data(), to.size(), *at);
+        *at += count;
+        return count;
+    };
 }
 
 Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::string> const& requested) {
@@ -38,16 +55,24 @@ Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::str
 }  // namespace
 
 Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
-    return read_bytes(bytes_of_file(file.path), file, requested);
+    return read_bytes(file.begun ? file.begun : bytes_of_file(file.path), file, requested);
+}
+
+std::vector<std::string> columns_among(std::vector<std::string> const& words, DataFile& file) {
+    constexpr std::size_t looked_at = 1 << 20;
+    file.begun = bytes_of_file(file.path);
+    std::string const begin = detail::peek(file.begun, looked_at), name = name_of_file(file.path);
+    try {
+        ByteSource bytes = bytes_of(begin);
+        if (begin.starts_with(gzip_begins)) bytes = unpacked(std::move(bytes), name);
+        if (!is_mat(detail::peek(bytes, mat_begin))) return csv::cells_among(words, std::move(bytes), name);
+    } catch (InputError const&) {  // told, with its place, when the columns are read
+    }
+    return {};
 }
 
 Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested) {
-    auto const next = [text, at = std::make_shared<std::size_t>(0)](std::span<char> to) {
-        std::size_t const count = text.copy(to.data(), to.size(), *at);
-        *at += count;
-        return count;
-    };
-    return read_bytes(next, {file}, requested);
+    return read_bytes(bytes_of(text), {file}, requested);
 }
 
 }  // namespace rlslab

@@ -6,10 +6,15 @@
 namespace rlslab {
 
 struct DataFile {
-    std::string path;  ///< "-": standard input
-    CsvFormat format;  ///< for CSV; 0: found out
+    std::string path;       ///< "-": standard input
+    CsvFormat format;       ///< for CSV; 0: found out
+    ByteSource begun = {};  ///< its bytes, if some were read before (columns_among)
     DataFile(std::string at = "", CsvFormat as = {}) : path(std::move(at)), format(as) {}
 };
+
+/// Those of the words that are names of columns: cells of one of the file's first 100 lines. None of a MATLAB file.
+/// `file` then has its bytes from the beginning, also where they can be read but once.
+std::vector<std::string> columns_among(std::vector<std::string> const& words, DataFile& file);
 
 /// The columns named in `requested`. The first bytes of the file decide its format, not its name. Its digest is
 /// in the answer. Throws InputError.

@@ -1,0 +1,122 @@
+// Trouble that people had in public, as small files (tests/data/cases): the right value, or a clear line.
+#include "tests/common/program.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace {
+
+using nlohmann::json;
+
+struct Case {
+    char const* words;          // of rlslab compare, behind the name of the file
+    std::vector<double> theta;  // exact least squares, all digits that stand here; none: refused, and
+    char const* names = "";     // what the line names
+};
+
+/// Values by rationals or numpy, without our code; a value given with fewer digits is compared in those.
+std::vector<Case> const cases{
+    // Fortran's exponents
+    {"s01_fortran_d.csv --regressors u,v --output y", {}, "s01_fortran_d.csv:2 1 u 2.135025329003D-01"},
+    {"s01_fortran_no_letter.csv --regressors u,v --output y", {}, "s01_fortran_no_letter.csv:2 1 u 2.135025329003-001"},
+    // marks between thousands
+    {"s02_apostrophe_groups.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 3'384"},
+    {"s02_nbsp_groups.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 384"},
+    {"s02_point_groups_tab.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
+    {"s02_point_groups_bar.csv --regressors menge,stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
+    {"s02_point_groups_blank.txt --regressors menge,stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
+    {"s02_point_groups_tab.csv --regressors stueck --output preis", {}, ":2 3 preis 3.384 925 2 --decimal"},
+    // rows of units and of types
+    {"s03_units_row.csv --input u --output y --na 1 --nb 0 --delay 1", {}, ":2 2 u V"},
+    {"s03_units_and_types_rows.csv --input u --output y --na 1 --nb 0 --delay 1", {}, ":2 2 u V"},
+    // words of missing values
+    {"s04_historian.csv --input u --output y --na 1 --nb 0 --delay 1", {}, ":42 3 y No Data --missing"},
+    {"s04_msvc_nan.csv --input u --output y --na 1 --nb 0 --delay 1", {}, ":42 3 y -1.#IND --missing"},
+    {"s04_historian.csv --input u --output y --na 1 --nb 0 --delay 1 --missing \"No Data,Bad,I/O Timeout\"",
+     {-0.8002416279276966, 0.4998968514871879}},
+    {"s04_msvc_nan.csv --input u --output y --na 1 --nb 0 --delay 1 --missing \"-1.#IND,1.#QNAN\"",
+     {-0.8002097796969688, 0.4998543519780854}},
+    // two columns of one name
+    {"s05_twice_named.csv --regressors t --output value", {}, ":1 t 1 3"},
+    // identifiers like 12E12
+    {"s06_ids.tsv --regressors a --output b", {2.0006207427686045}},
+    {"s06_ids.tsv --regressors id --output b", {}, ":2 1 id 0047583311587DD90005"},
+    // samples that the logger dropped, as empty rows
+    {"s07_dropped_as_empty.csv --input u --output y --na 2 --nb 0 --delay 1", {-1.49994859, 0.69983250, 0.49981625}},
+    // empty cells between tabs, cells of a blank
+    {"s08_empty_between_tabs.tsv --regressors a,b --output c", {1.001241254929883, -3.002231535961559}},
+    {"s08_empty_spaces.csv --regressors a,b --output c", {1.001241254929883, -3.002231535961559}},
+    // TRUE, 12.5%, $1,234.50
+    {"s09_booleans.csv --regressors pump,a --output z", {}, ":2 1 pump TRUE"},
+    {"s09_percent.csv --regressors valve,a --output z", {}, ":2 1 valve 68.7%"},
+    {"s09_currency.csv --regressors price,a --output z", {}, ":2 1 price $1,276.88"},
+    // dummies with a constant
+    {"s10_dummies.csv --regressors x,da,db --intercept --output y", {}, "dependent 3 4"},
+    // years with a constant
+    {"s12_years.csv --regressors year,miles --intercept --output price",
+     {-1409540.0331094302, 706.3333863524359, -0.019551452553601335}},
+    // more b than a, b that begins late, a pure delay, a negative pole
+    {"s14_nb_above_na.csv --input u --output y --na 1 --nb 2", {-0.50025, 0.99972, -1.99997, 3.00027}},
+    {"s14_no_b_before_delay.csv --input u --output y --na 2 --nb 0 --delay 2", {-0.00205, 0.24865, 0.79931}},
+    {"s14_pure_delay.csv --input u --output y --na 0 --nb 3", {-0.000425, -0.000146, 0.000309, 0.499142}},
+    {"s14_negative_pole.csv --input u --output y --na 1 --nb 0 --delay 1", {0.59966, 1.00078}},
+    // integers, rows and columns in .mat
+    {"s17_int16.mat --input u --output y --na 1 --nb 0 --delay 1", {-0.7015132482, 0.2660958681}},
+    {"s17_row_and_column.mat --input u --output y --na 1 --nb 0 --delay 1", {-0.7015118766, 0.3991439146}},
+    // The rest of s07, s10, s11, s12, s13, s16, s18, s19: here, as soon as it is right.
+};
+
+TEST_F(Program, SaysTheRightValueOrAClearLineForEveryCase) {
+    for (Case const& one : cases) {
+        std::string const command = "compare " + root + "/tests/data/cases/" + one.words;
+        if (one.theta.empty()) {
+            refused(command, one.names);
+            continue;
+        }
+        Outcome const run = shell("rlslab " + command + " --variants ud --arithmetic double --no-timings --json");
+        ASSERT_EQ(run.code, 0) << run.err << command;
+        json const said = json::parse(run.out)["reference"]["least_squares"];
+        ASSERT_EQ(said.size(), one.theta.size()) << command;
+        for (size_t j = 0; j < one.theta.size(); ++j) {
+            // Half a unit of the last digit that stands in the table, or of binary64's sixteenth.
+            std::string const shown = json(one.theta[j]).dump();
+            size_t const digits = shown.size() - std::min(shown.find('.'), shown.size()) - 1;
+            double const unit = std::max(std::pow(10., -double(digits)), 4e-16 * std::abs(one.theta[j]));
+            EXPECT_NEAR(std::stod(said[j].get<std::string>()), one.theta[j], 0.51 * unit) << command;
+        }
+    }
+}
+
+// --- names of columns before the syntax of lags ----------------------------------------------------------------------
+
+TEST_F(Program, ANameOfTheFileGoesBeforeTheSyntaxOfLags) {
+    std::string text = "k,y,y[k-1],Speed [rpm],[5],[°C],[k]\n", noted;
+    for (int k = 0; k < 30; ++k)
+        text += std::to_string(k) + "," + std::to_string(k * k % 17) + "," + std::to_string(k * 7 % 13) + "," +
+                std::to_string(k * 5 % 11) + "," + std::to_string(k % 3) + "," + std::to_string(k * k % 7) + "," +
+                std::to_string(k % 5) + "\n";
+    write("design.csv", text);
+    write("preamble.csv", "Logger X100\nSerial 1234\n\n" + text);
+    auto const said = [&](std::string const& words) {
+        Outcome const run = shell("rlslab compare " + words + " --output y --variants ud --arithmetic double --json");
+        EXPECT_EQ(run.code, 0) << run.err << words;
+        return run.code == 0 ? json::parse(run.out) : json();
+    };
+    for (std::string const file : {"design.csv", "preamble.csv"}) {
+        json const column = said(file + " --regressors y[k-1]"), lag = said(file + " --regressors y[k-1..k-1]");
+        EXPECT_EQ(column["data"]["rows"], 30) << "the file's column";
+        EXPECT_EQ(column["data"]["regressors"][0], "y[k-1][k]");
+        EXPECT_EQ(lag["data"]["rows"], 29) << "the computed lag";
+        EXPECT_NE(column["reference"]["theta"], lag["reference"]["theta"]);
+        for (std::string const name : {"Speed [rpm]", "[5]", "[°C]", "[k]"})
+            EXPECT_EQ(said(file + " --regressors \"" + name + "\"")["data"]["rows"], 30) << name;
+    }
+    EXPECT_EQ(said("- --regressors y[k-1] <design.csv")["data"]["rows"], 30) << "standard input is read once";
+    refused("compare design.csv --output y --regressors \"Speed [rmp]\"", "--regressors Speed [rmp]");
+    Outcome const run = shell("rlslab identify design.csv --output y --regressors y[k-1],\"[5]\" --json");
+    ASSERT_NE(run.code, 2) << run.err;
+    EXPECT_THAT(run.out, testing::HasSubstr("y[k-1][k]"));
+}
+
+}  // namespace
