@@ -1,6 +1,7 @@
 """The estimator: scikit-learn's own checks, and what it computes."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from sklearn.utils.estimator_checks import check_estimator    # noqa: E402
 import rlslab    # noqa: E402
 from rlslab.sklearn import RLSRegressor    # noqa: E402
 
+CASES = Path(__file__).resolve().parents[1] / "data" / "cases"
 CHECKS = list(check_estimator(RLSRegressor(), generate_only=True))
 
 
@@ -57,6 +59,15 @@ def test_the_deviation_is_that_of_least_squares(variant, offset):
     expected = np.sqrt(variance * (1 + np.einsum("ij,jk,ik->i", A, np.linalg.inv(A.T @ A), A)))[:5]
     assert np.allclose(mean, A[:5] @ theta, rtol=1e-5) and np.allclose(deviation, expected, rtol=1e-4)
     assert np.isclose(model.noise_variance_, variance)
+
+
+def test_years_beside_a_constant():
+    """JuliaStats/GLM.jl 426: a default prior of 1e6 I gave 545.68, -0.03413."""
+    year, miles, price = np.loadtxt(CASES / "s12_years.csv", delimiter=",", skiprows=1, unpack=True)
+    for variant in ("qr", "gentleman", "information", "qr_block"):
+        model = RLSRegressor(variant).fit(np.column_stack([year, miles]), price)
+        assert np.allclose(model.coef_, [706.3333863524359, -0.019551452553601335], rtol=1e-10)
+        assert np.isclose(model.intercept_, -1409540.0331094302, rtol=1e-10)
 
 
 @pytest.mark.parametrize("n", [1, 2, 4])
