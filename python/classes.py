@@ -23,7 +23,7 @@ CLASS = '''
 class {name}(Filter):
     {quotes}{what}
 
-    The options are those of `rlslab.Filter`.
+    {start}The options are those of `rlslab.Filter`.
 
 {text}
 
@@ -38,6 +38,14 @@ class {name}(Filter):
     __slots__ = ()
     _variant = "{variant}"
 '''
+
+
+# What a page says of the start, by whether it starts without a prior.
+START = {
+    True: "Starts without a prior where ``prior_variance=None``: theta is then that of least squares. ",
+    False: "Needs a prior, which keeps theta from least squares by (I - A)^-1 A (theta - theta0), A = lambda^k P P0^-1,"
+    "\n    in units of the data. ",
+}
 
 
 def listed(variants: Path) -> list[str]:
@@ -74,9 +82,12 @@ def main(variants: Path, version: str, out: Path) -> None:
     names = listed(variants)
     text = HEAD.format(version=version, names="\n".join(f'    "{name}",' for name in names))
     for name in names:
-        what, formulas = described((variants / f"{snake(name)}.hpp").read_text())
+        page = (variants / f"{snake(name)}.hpp").read_text()
+        what, formulas = described(page)
+        start = START["starts_without_prior = true" in page]
         raw = 'r"""' if "\\" in formulas else '"""'
-        text += CLASS.format(name=name, variant=snake(name), what=what, text=formulas, quotes=raw)
+        text += CLASS.format(name=name, variant=snake(name), what=what, text=formulas, quotes=raw,
+                             start=start)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text)
 

@@ -9,6 +9,8 @@
 namespace rlslab::python {
 
 PyObject* row_of = nullptr;
+PyObject* output_of = nullptr;
+PyObject* scalars = nullptr;
 PyObject* ndarray = nullptr;
 
 namespace {
@@ -74,15 +76,30 @@ void copy(char const* from, Py_ssize_t stride, Py_ssize_t n, double* to) {
         to[i] = double(x);
     }
 }
+/// A real number of Python or numpy. False, with no error set, for anything else, whose error or number is row_of's and
+/// output_of's, so that each is the same for one row and for many.
+bool copy_number(PyObject* from, double& to) {
+    if (!PyFloat_Check(from) && !PyLong_Check(from) && PyObject_IsInstance(from, scalars) != 1) {
+        PyErr_Clear();
+        return false;
+    }
+    to = PyFloat_AsDouble(from);
+    if (to != -1.0 || !PyErr_Occurred()) return true;
+    PyErr_Clear();  // too large
+    return false;
+}
 bool copy_items(PyObject* items, Py_ssize_t n, double* to) {
     bool const list = PyList_CheckExact(items);
     for (Py_ssize_t i = 0; i < n; ++i) {
         PyObject* const item = list ? PyList_GetItem(items, i) : PyTuple_GetItem(items, i);
-        if (!item) return false;  // converting one before took items away
+        if (!item) {  // converting one before took items away
+            PyErr_Clear();
+            return false;
+        }
         Py_INCREF(item);
-        to[i] = PyFloat_AsDouble(item);
+        bool const taken = copy_number(item, to[i]);
         Py_DECREF(item);
-        if (to[i] == -1.0 && PyErr_Occurred()) return false;
+        if (!taken) return false;
     }
     return true;
 }
@@ -110,13 +127,18 @@ PyObject* update_from(PyObject* self, View const& view, Py_ssize_t d, double y) 
 PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n) try {
     if (!takes("update(psi, y)", 2, n)) return nullptr;
     Py_ssize_t const d = Held::of(self)->native->size();
-    double const y = PyFloat_AsDouble(args[1]);
-    if (y == -1.0 && PyErr_Occurred()) return nullptr;
+    double y;
+    if (!copy_number(args[1], y)) {
+        PyObject* const number = PyObject_CallFunctionObjArgs(output_of, args[1], nullptr);
+        if (!number) return nullptr;
+        y = PyFloat_AsDouble(number);
+        Py_DECREF(number);
+    }
     PyObject* const psi = args[0];
     if ((PyList_CheckExact(psi) && PyList_Size(psi) == d) || (PyTuple_CheckExact(psi) && PyTuple_Size(psi) == d)) {
         Row row;
         double* const numbers = row.of(d);
-        return copy_items(psi, d, numbers) ? updated(self, numbers, y) : nullptr;
+        if (copy_items(psi, d, numbers)) return updated(self, numbers, y);
     }
     if (reinterpret_cast<PyObject*>(Py_TYPE(psi)) == ndarray) {
         View view;

@@ -1,6 +1,10 @@
 // rlslab._core: the module of the extension. What people call is the package around it (python/rlslab).
 #include "python/make.hpp"
 
+#include <rlslab/core/files.hpp>
+
+#include <cerrno>
+
 namespace rlslab::python {
 namespace {
 
@@ -20,13 +24,34 @@ PyObject* words(PyObject*, PyObject*) {
     for (int i = 0; i < n; ++i) list[i] = name(i);
     return names(list);
 }
-/// (numpy.ndarray, row_of): what the package brings.
+/// (numpy.ndarray, scalars, row_of, output_of): what the package brings.
 PyObject* use(PyObject*, PyObject* args) {
-    PyObject *array, *row;
-    if (!PyArg_ParseTuple(args, "OO", &array, &row)) return nullptr;
-    ndarray = Py_NewRef(array);
-    row_of = Py_NewRef(row);
+    PyObject** const kept[] = {&ndarray, &scalars, &row_of, &output_of};
+    PyObject* given[4];
+    if (!PyArg_ParseTuple(args, "OOOO", &given[0], &given[1], &given[2], &given[3])) return nullptr;
+    for (int i = 0; i < 4; ++i) *kept[i] = Py_NewRef(given[i]);
     Py_RETURN_NONE;
+}
+/// (path, bytes): as C++ saves a state. OSError where it cannot.
+PyObject* save(PyObject*, PyObject* args) {
+    PyObject *path, *name = nullptr;
+    char const* text;
+    Py_ssize_t size;
+    if (!PyArg_ParseTuple(args, "Oy#", &path, &text, &size) || !PyUnicode_FSConverter(path, &name)) return nullptr;
+    int error = 0;
+    PyThreadState* const thread = PyEval_SaveThread();  // a pipe waits for its reader
+    try {
+        replace_file(PyBytes_AsString(name), {text, std::size_t(size)});
+    } catch (FileError const& e) {
+        error = e.error;
+    } catch (std::exception const&) {
+        error = ENOMEM;
+    }
+    PyEval_RestoreThread(thread);
+    Py_DECREF(name);
+    if (!error) Py_RETURN_NONE;
+    errno = error;
+    return PyErr_SetFromErrnoWithFilenameObject(PyExc_OSError, path);
 }
 /// (variant, arithmetic, size, window, guard, control, its numbers, the guard's four numbers, noise_memory,
 /// rebuild_rows) of the filter that a state is of; NaN: a default.
@@ -63,6 +88,7 @@ PyMethodDef functions[] = {
     {"healths", words<native::name_of_health, 4>, METH_NOARGS, nullptr},
     {"signals", words<native::name_of_signal, 6>, METH_NOARGS, nullptr},
     {"saved", saved, METH_O, nullptr},
+    {"save", save, METH_VARARGS, nullptr},
     {"use", use, METH_VARARGS, nullptr},
     {nullptr, nullptr, 0, nullptr}};
 PyModuleDef definition{

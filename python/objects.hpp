@@ -189,6 +189,10 @@ PyObject* step_type();
 PyObject* counts_type();
 /// Whoever makes rows of what is not an array or a list: called with (psi, d), returns an array of d numbers.
 extern PyObject* row_of;
+/// Likewise of what is not one of these types: called with y, returns a float.
+extern PyObject* output_of;
+/// numpy's real scalars, a tuple.
+extern PyObject* scalars;
 /// numpy.ndarray.
 extern PyObject* ndarray;
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import reprlib
-import tempfile
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, TypeVar, Union, overload
 
@@ -28,7 +27,7 @@ STEP = np.dtype(
 #: Counts up when what a pickle holds changes.
 PICKLE = 1
 
-_core.use(np.ndarray, _rows.row)
+_core.use(np.ndarray, _rows.SCALARS, _rows.row, _rows.output)
 
 
 class Filter(_core.Filter):
@@ -39,7 +38,10 @@ class Filter(_core.Filter):
         J = lambda^k (theta - theta0)' P0^-1 (theta - theta0) + sum_i lambda^(k-i) (y_i - psi_i'theta)^2
 
     where lambda is ``forgetting``, theta0 ``prior_theta`` and P0 the prior's covariance, in units of the noise's
-    variance. Make one by its class, `rlslab.Ud(4)`, or by its name, `rlslab.filter("ud", 4)`.
+    variance. A prior keeps theta from the answer without one by b, (I - A) b = A (theta - theta0), A = lambda^k P
+    P0^-1. So the default, theta0 = 0 and P0 = 16384 I, decides where theta is large in its unit, or where a constant
+    stands beside a column far from 0; ``prior_variance=None`` is none. docs/python.md computes b. Make one by its
+    class, `rlslab.Ud(4)`, or by its name, `rlslab.filter("ud", 4)`.
 
     Parameters
     ----------
@@ -251,19 +253,12 @@ class Filter(_core.Filter):
         self._load(state)
 
     def save(self, path: Path) -> None:
-        """Write `state` to a file, which holds the old bytes or the new whenever the program ends."""
-        target = os.path.abspath(os.fspath(path))
-        handle, part = tempfile.mkstemp(prefix=os.path.basename(target) + ".", dir=os.path.dirname(target))
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(self.state)
-            mask = os.umask(0)
-            os.umask(mask)
-            os.chmod(part, 0o666 & ~mask)  # as any new file
-            os.replace(part, target)
-        except BaseException:
-            os.unlink(part)
-            raise
+        """Write `state` to a file, which holds the old bytes or the new whenever the program ends.
+
+        A symbolic link stays, and what it names is replaced. A device or a pipe takes the bytes. OSError where it
+        cannot be written.
+        """
+        _core.save(path, self.state)
 
     def load(self, path: Path) -> None:
         """Go on from the state in a file: see `restore`. `rlslab.load` makes the filter, too."""

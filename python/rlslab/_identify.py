@@ -257,7 +257,8 @@ class Identification:
         from . import filter as make    # the package is whole by now
 
         of, prior = self._all["options"], self._all["prior"]
-        P0 = np.diag((prior["c"] / np.array(prior["scales"])) ** 2)
+        scales = np.array(prior["scales"])
+        P0 = np.diag((prior["c"] / scales) ** 2 if of["p0"] is None else of["p0"] / scales)    # of p0 they are 1
         made = {"forgetting": of["forgetting"], "prior_covariance": P0, **options}
         return make(of["variant"], len(self.names), **made)
 
@@ -273,6 +274,7 @@ class Identification:
         for k, (psi, output) in enumerate(zip(Psi[there][: self.nobs], y[there])):
             f.update(psi, float(output))
             out[k] = f.theta
+        out[-1] = self.params    # the same, but of qr_block, whose bits are those of the program's blocks
         return out
 
     def plot(self, ax: Any = None) -> Any:

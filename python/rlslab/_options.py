@@ -59,6 +59,8 @@ def real(value: Any, name: str) -> float:
     """A number; TypeError for text."""
     if isinstance(value, (str, bytes)):
         raise TypeError(f"{name} is a number, not text")
+    if isinstance(value, (complex, np.complexfloating, np.ma.MaskedArray)):
+        raise TypeError(f"{name} is a real number, not {type(value).__name__}")
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):

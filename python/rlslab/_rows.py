@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Numbers = NDArray[np.floating[Any]]
+#: numpy's real scalars; its differences of time are integers, too.
+SCALARS = tuple(
+    t for t in np.ScalarType if issubclass(t, (np.floating, np.integer, np.bool_)) and t is not np.timedelta64
+)
 
 
 def numbers(given: ArrayLike, name: str) -> Numbers:
@@ -15,19 +19,37 @@ def numbers(given: ArrayLike, name: str) -> Numbers:
     if type(given) is np.ndarray and given.dtype.char in "fd" and given.dtype.isnative:
         return given    # at once: of many short blocks most of the time would go below
     in_list = given if isinstance(given, (list, tuple)) else ()
-    if any(isinstance(part, np.ma.MaskedArray) for part in (given, *in_list)):
-        raise TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
+    masked = any(isinstance(part, np.ma.MaskedArray) for part in (given, *in_list))
     try:
         array: NDArray[Any] = np.asarray(given)
     except ValueError:
         raise ValueError(f"{name} is no table of numbers: its rows differ in length") from None
+    if in_list and array.dtype.kind == "f" and np.isnan(array).any():    # which is what np.ma.masked becomes
+        masked = masked or any(part is np.ma.masked for part in np.array(given, object).flat)
+    if masked:
+        raise TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
     if array.dtype.names:
         raise TypeError(f"{name} is a structured array: give np.column_stack of the columns that it is to have")
+    if array.dtype.kind not in "fiub" and hasattr(given, "dtypes") and hasattr(given, "to_numpy"):
+        array = _of_frame(given, name)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} holds {array.dtype}, not real numbers")
     if array.dtype in (np.float32, np.float64) and array.dtype.isnative:
         return array
     return array.astype(np.float64)
+
+
+def _of_frame(given: Any, name: str) -> NDArray[Any]:
+    """Of a data frame or a series of pandas, a column at a time: numbers, true and false, their nullable kinds."""
+    out = []
+    for label, column in given.items() if given.ndim == 2 else [(given.name, given)]:
+        if column.dtype.kind not in "fiub":
+            raise TypeError(
+                f"{name}: column {label!r} holds {column.dtype}, not real numbers: leave it out, or give its "
+                ".astype(float)"
+            )
+        out.append(column.to_numpy(np.float64, na_value=np.nan))
+    return np.column_stack(out) if given.ndim == 2 else out[0]
 
 
 def contiguous(array: Numbers) -> Numbers:
@@ -42,6 +64,14 @@ def row(psi: ArrayLike, size: int) -> Numbers:
     if array.shape != (size,):
         raise ValueError(f"psi has shape {array.shape}, expected ({size},)")
     return contiguous(array)
+
+
+def output(y: ArrayLike) -> float:
+    """y of one row, a number or an array of one."""
+    array = numbers(y, "y")
+    if array.size != 1 or (array.ndim and not isinstance(y, np.ndarray)):
+        raise ValueError(f"y has shape {array.shape}, expected a number")
+    return float(array.reshape(()))
 
 
 def in_place(Psi: Numbers) -> bool:

@@ -5,6 +5,7 @@ The sums are the filter's own: theta, the inverse of P and the steps of each row
 
 from __future__ import annotations
 
+import bisect
 import statistics
 from typing import Any
 
@@ -15,6 +16,37 @@ from . import _rows, filter
 
 Floats = NDArray[np.float64]
 _NORMAL = statistics.NormalDist()
+
+
+def _scaled(X: Floats) -> Floats:
+    """Each column over its largest number, which is what its rounding is relative to."""
+    most = np.abs(X).max(axis=0)
+    return X / np.where(most > 0, most, 1)
+
+
+def _ranks(X: Floats) -> list[int]:
+    """The first row at which the rows so far have rank 1, ..., d, by which theta is determined; else ValueError."""
+    n, d = X.shape
+    if not np.isfinite(X).all():
+        raise ValueError("exog holds a number that is not finite")
+    scaled = _scaled(X)
+
+    def rank(k: int) -> int:
+        return int(np.linalg.matrix_rank(scaled[: k + 1]))
+
+    out = [bisect.bisect_left(range(n), r, key=rank) for r in range(1, d + 1)]
+    if out[-1] == n:
+        raise ValueError("the rows do not determine theta: columns of exog are dependent")
+    return out
+
+
+def _independent(X: Floats) -> list[int]:
+    """Columns, the first ones, on which all others depend."""
+    scaled, out = _scaled(X), []
+    for j in range(X.shape[1]):
+        if np.linalg.matrix_rank(scaled[:, [*out, j]]) > len(out):
+            out.append(j)
+    return out
 
 
 class RecursiveLS:
@@ -38,7 +70,8 @@ class RecursiveLS:
     tvalues, pvalues : ndarray, shape (d,)
         params / bse; two-sided probabilities by the normal distribution.
     resid_recursive : ndarray, shape (n,)
-        w = innovation sqrt(gamma), which are independent with the noise's variance; NaN before theta is determined.
+        w = innovation sqrt(gamma), which are independent with the noise's variance; NaN for the d rows that no row
+        before them can predict: the first d, or that in which a dummy first differs from the other columns.
     recursive_coefficients : ndarray, shape (n, d)
         theta after each row; NaN before it is determined.
     cusum, cusum_squares : ndarray, shape (n - d,)
@@ -73,21 +106,29 @@ class RecursiveLS:
         f = filter("qr", d, prior_variance=None)
         self.resid_recursive: Floats = np.full(n, np.nan)
         self.recursive_coefficients: Floats = np.full((n, d), np.nan)
-        step = None
+        ranks = _ranks(X)
         for k in range(n):
             step = f.update(X[k], float(y[k]))
-            self.resid_recursive[k] = step.innovation * np.sqrt(step.gamma) if step.health == "sound" else np.nan
-            self.recursive_coefficients[k] = f.theta
-        if step is None or step.health != "sound":
+            if k > ranks[-1]:
+                self.resid_recursive[k] = step.innovation * np.sqrt(step.gamma)
+            if k >= ranks[-1]:
+                self.recursive_coefficients[k] = f.theta
+        if f.copy().pass_time().health != "sound":    # the last step tells of the rows before it
             raise ValueError(f"the rows do not determine theta: health {f.health}")
+        self.resid_recursive[: ranks[0]] = y[: ranks[0]]    # rows of zeros
+        for r, (first, last) in enumerate(zip(ranks, ranks[1:]), 1):
+            if last > first + 1:    # rows that r columns predict before the others show
+                seen, of = slice(first + 1, last), filter("qr", r, prior_variance=None)
+                steps = of.update_many(X[:last, _independent(X[:last])], y[:last], steps=True)[seen]
+                self.resid_recursive[seen] = steps["innovation"] * np.sqrt(steps["gamma"])
         self.nobs, self.df_model, self.df_resid = n, d, n - d
         self.params: Floats = np.asarray(f.theta, dtype=np.float64)
         w = self._seen()
         self.scale = float(np.sum(w**2)) / (n - d)
-        try:
-            P = np.linalg.inv(f.information)
-        except np.linalg.LinAlgError:
-            raise ValueError("the rows do not determine theta: columns of exog are dependent") from None
+        P = np.empty((d, d))
+        for j, psi in enumerate(np.eye(d)):    # K = P psi gamma of one row more, solved for with R
+            after = f.copy()
+            P[j] = after.update(psi, self.params[j]).gamma ** -1 * after.gain
         self.normalized_cov_params: Floats = (P + P.T) / 2
         self.bse: Floats = np.sqrt(self.scale * np.diag(P))
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -10,40 +10,59 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin  # type: ignore[import]
 from sklearn.utils.validation import check_is_fitted  # type: ignore[import]
 
-from . import _options, filter
+from . import HEALTHS, SIGNALS, _options, filter
 
 Self = TypeVar("Self", bound="RLSRegressor")
 
 
-def _validated(estimator: Any, *given: Any, **how: Any) -> Any:
-    """scikit-learn's look at X and y: a function from 1.6 on, a method before."""
+def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> Any:
+    """scikit-learn's look at X and y, a function from 1.6 on and a method before; in one line what it refuses."""
     try:
         from sklearn.utils.validation import validate_data
     except ImportError:
-        return estimator._validate_data(*given, **how)
-    return validate_data(estimator, *given, **how)
+        how["force_all_finite"], validate = finite, type(estimator)._validate_data
+    else:
+        how["ensure_all_finite"], validate = finite, validate_data
+    try:
+        return validate(estimator, *given, **how)
+    except ValueError as error:
+        line, more, _ = str(error).partition("\n")
+        if not more or "NaN" not in line:
+            raise
+        remedy = 'leave such rows out, or guard="reset", which skips and counts them in fit and partial_fit'
+        raise ValueError(f"{line.rstrip('.')}: {remedy}") from None
 
 
 class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Linear regression by recursive least squares: rows can come in parts, and old ones can be forgotten.
 
+    There is no prior, so that no unit, offset or scale of the data changes the answer. The variants that can start so
+    are `qr`, `qr_block`, `gentleman` and `information`.
+
     Parameters
     ----------
     variant : str
         One of `rlslab.variants()`.
-    forgetting, prior_variance, dtype, window, guard, guard_options, control
-        As of `rlslab.Filter`.
+    prior_variance : float or None
+        c^2 of P0 = c^2 I. It pulls theta, the constant too, towards 0 by about P theta / c^2, in units of the data; the
+        other variants need it.
+    forgetting, dtype, window, guard, guard_options, control
+        As of `rlslab.Filter`. A guard skips the rows of X that are not finite.
     fit_intercept : bool
-        Whether a constant is estimated, too: the last of theta.
+        Whether a constant is estimated, too.
 
     Attributes
     ----------
     coef_ : ndarray of shape (n_features,)
+        NaN after `partial_fit` where the rows so far do not determine them.
     intercept_ : float
     n_features_in_ : int
     noise_variance_ : float
-        Of y about its prediction, from the rows so far, weighted as by `forgetting`; NaN for too few rows.
+        Of y about its prediction: the mean of gamma e^2 / (gamma + r lambda (1 - gamma)), e the innovation and r =
+        (1 + lambda^n) / (1 + lambda), over the rows taken, weighted as by `forgetting`, of a window the last. Rows that
+        a guard sets aside do not enter, nor those of gamma <= 0.001, which show theta. NaN for too few rows.
     filter_ : rlslab.Filter
+        With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first.
 
     Examples
     --------
@@ -56,10 +75,10 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     def __init__(
         self,
-        variant: str = "ud",
+        variant: str = "qr",
         *,
         forgetting: float = 1.0,
-        prior_variance: float | None = 1e6,
+        prior_variance: float | None = None,
         dtype: DTypeLike = "float64",
         window: int = 0,
         guard: str | None = None,
@@ -78,15 +97,24 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.fit_intercept = fit_intercept
 
     def fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Forget all and process these rows, the oldest first. ValueError for data that are not finite."""
-        rows, outputs = _validated(self, X, y, y_numeric=True, reset=True)
+        """Forget all and process these rows, the oldest first.
+
+        ValueError for data that are not finite, and for rows that do not determine theta.
+        """
+        rows, outputs = _validated(self, X, y, y_numeric=True, reset=True, finite=self.guard is None)
         self._start()
-        return self._process(rows, outputs)
+        self._process(rows, outputs)
+        if self.prior_variance is None and self.filter_.copy().pass_time().health in ("undetermined", "indefinite"):
+            raise ValueError(
+                f"n_samples = {len(rows)}: the rows do not determine {self.filter_.size} parameters, the constant "
+                "among them: leave out columns that depend on others, or give prior_variance"
+            )
+        return self
 
     def partial_fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
         """Process these rows after those before."""
         first = not hasattr(self, "filter_")
-        rows, outputs = _validated(self, X, y, y_numeric=True, reset=first)
+        rows, outputs = _validated(self, X, y, y_numeric=True, reset=first, finite=self.guard is None)
         if first:
             self._start()
         return self._process(rows, outputs)
@@ -95,37 +123,76 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         """X theta; with `return_std` also the standard deviation of y about it, noise and theta's error together."""
         check_is_fitted(self)
         rows = self._rows(_validated(self, X, reset=False))
-        mean = rows @ self._theta
+        mean = rows @ self.filter_.theta.astype(np.float64)    # less the first row's y
         if not return_std:
-            return mean
-        if self.filter_._reports_covariance:
-            along = np.einsum("ij,jk,ik->i", rows, self.filter_.covariance, rows)
-        else:
-            along = np.einsum("ij,ji->i", rows, np.linalg.solve(self.filter_.information, rows.T))
-        return mean, np.sqrt(self.noise_variance_ * (1 + along))
+            return mean + self._first[-1]
+        along = np.array([self._along(row, y) for row, y in zip(rows, mean)])
+        return mean + self._first[-1], np.sqrt(self.noise_variance_ * (1 + self._share(self._n) * along))
+
+    def _along(self, psi: NDArray[Any], y: float) -> float:
+        """psi'P psi, of the gain that this row would have: offsets and scales cost it no digits, as they do in P."""
+        if self.control is None:
+            gamma = self.filter_.copy().update(psi, y).gamma    # 0: not determined
+            return self.forgetting * (1 / gamma - 1) if gamma > 0 else np.nan
+        f = self.filter_
+        return float(psi @ (f.covariance @ psi if f._reports_covariance else np.linalg.solve(f.information, psi)))
+
+    def _share(self, n: Any) -> Any:
+        """r after n rows; 1 where a rule of its own forgets."""
+        if self.control is not None:
+            return 1.0
+        memory = np.minimum(n, self.window) if self.window else n
+        return (1 + self.forgetting**memory) / (1 + self.forgetting)
 
     def _rows(self, X: NDArray[Any]) -> NDArray[Any]:
-        return np.column_stack([X, np.ones(len(X))]) if self.fit_intercept else np.asarray(X, dtype=np.float64)
+        """The filter's rows: less the first one, so that an offset costs no digits, and a 1."""
+        rows = np.asarray(X, dtype=np.float64)
+        return np.column_stack([rows - self._first[:-1], np.ones(len(rows))]) if self.fit_intercept else rows
 
     def _start(self) -> None:
-        self.filter_ = filter(
-            self.variant, self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
-            prior_variance=self.prior_variance, dtype=self.dtype, window=self.window, guard=self.guard,
-            guard_options=self.guard_options, control=self.control,
-        )  # fmt: skip
-        self._loss = self._weight = 0.0
+        try:
+            self.filter_ = filter(
+                self.variant, self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
+                prior_variance=self.prior_variance, dtype=self.dtype, window=self.window, guard=self.guard,
+                guard_options=self.guard_options, control=self.control,
+            )  # fmt: skip
+        except ValueError as error:
+            wanted = "; prior_variance gives one, qr needs none" if str(error).startswith("expected a prior:") else ""
+            raise ValueError(f"{error}{wanted}") from None
+        # The first row of numbers, and its y; 0 where no constant takes up what they leave out.
+        self._first = np.full(self.n_features_in_ + 1, np.nan if self.fit_intercept else 0.0)
+        self._n, self._sum, self._weight = 0, 0.0, 0.0    # rows since the start; of the squares, and of their weights
+        self._squares = np.empty(0)    # of the rows in the window
 
     def _process(self: Self, X: NDArray[Any], y: NDArray[Any]) -> Self:
-        steps = self.filter_.update_many(self._rows(X), y, steps=True)
-        # The sum of innovation x residual is the least J; a row weighs lambda to the power of its age.
-        losses = np.nan_to_num(steps["innovation"] * steps["residual"])
-        weights = self.forgetting ** np.arange(len(losses) - 1.0, -1.0, -1.0)
-        past = self.forgetting ** len(losses)
-        self._loss = past * self._loss + float(weights @ losses)
-        self._weight = past * self._weight + float(weights.sum())
-        freedom = self._weight - self.filter_.size
-        self.noise_variance_ = self._loss / freedom if freedom > 0 else np.nan
-        self._theta = self.filter_.theta.astype(np.float64)
-        self.coef_ = self._theta[: self.n_features_in_]
-        self.intercept_ = float(self._theta[-1]) if self.fit_intercept else 0.0
+        if not np.isfinite(self._first).all():
+            k = np.argmax(np.isfinite(X).all(axis=1))
+            self._first = np.append(X[k], y[k]).astype(np.float64)
+        steps = self.filter_.update_many(self._rows(X), y - self._first[-1], steps=True)
+        squares = self._squares_of(steps)
+        if self.window:
+            squares = self._squares = np.concatenate([self._squares, squares])[-self.window :]
+            self._sum = self._weight = 0.0
+        weights = self.forgetting ** np.arange(len(squares) - 1.0, -1.0, -1.0)
+        past, seen = self.forgetting ** len(squares), np.isfinite(squares)
+        self._sum = past * self._sum + float(weights[seen] @ squares[seen])
+        self._weight = past * self._weight + float(weights[seen].sum())
+        self.noise_variance_ = self._sum / self._weight if self._weight > 0 else np.nan
+        theta = self.filter_.theta.astype(np.float64)
+        self.coef_ = theta[: self.n_features_in_]
+        self.intercept_ = 0.0
+        if self.fit_intercept:
+            self.intercept_ = float(self._first[-1] + theta[-1] - self._first[:-1] @ self.coef_)
         return self
+
+    def _squares_of(self, steps: NDArray[np.void]) -> NDArray[np.float64]:
+        """What each row says of the noise's variance (docs/theory.md 61), as `Assessed` of C++ has it; NaN: nothing."""
+        none, windup, change, breakdown = (SIGNALS.index(s) for s in ("none", "windup", "change", "breakdown"))
+        signal, gamma, k = steps["signal"], steps["gamma"], np.arange(len(steps) + 1) - 1
+        restarts = np.isin(signal, (change, breakdown)) & (self.guard != "report")
+        begun = np.maximum.accumulate(np.where(np.append(False, restarts), k, -1 - self._n))
+        n = k - begun    # rows since the start before each row, and now
+        self._n = int(n[-1])
+        taken = (steps["health"] == HEALTHS.index("sound")) & np.isin(signal, (none, windup)) & (gamma > 0.001)
+        expected = gamma + self._share(n[:-1]) * self.forgetting * (1 - gamma)
+        return np.where(taken, steps["innovation"] * steps["residual"] / expected, np.nan)

@@ -1,7 +1,10 @@
 """What a filter does: rows, answers, copies, states."""
 
 import copy
+import os
 import pickle
+import stat
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -171,6 +174,49 @@ def test_states_that_are_refused_leave_the_filter_as_it_was(tmp_path):
         rlslab.load(tmp_path / "none")
     with pytest.raises(FileNotFoundError):
         f.save(tmp_path / "no folder" / "a.state")
+
+
+def test_what_stands_at_the_path_is_treated_as_cpp_treats_it(tmp_path):
+    """save is core/files.cpp: a node, a pipe and a link stay, a name as long as names may be is one, "" is none."""
+    f = rlslab.Ud(2)
+    f.update([1, 2], 3)
+    (tmp_path / "file").write_bytes(b"old")
+    (tmp_path / "link").symlink_to("file")
+    f.save(tmp_path / "link")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "file").read_bytes() == f.state
+    (tmp_path / "dangling").symlink_to("new")
+    f.save(tmp_path / "dangling")
+    assert (tmp_path / "dangling").is_symlink() and (tmp_path / "new").read_bytes() == f.state
+    os.mkfifo(tmp_path / "pipe")
+    with ThreadPoolExecutor(1) as pool:
+        read = pool.submit((tmp_path / "pipe").read_bytes)
+        f.save(tmp_path / "pipe")
+        assert read.result(60) == f.state and (tmp_path / "pipe").is_fifo()
+    try:
+        os.mknod(tmp_path / "null", stat.S_IFCHR | 0o666, os.makedev(1, 3))
+        (tmp_path / "null").write_bytes(b"")    # some file systems have no nodes
+    except OSError:
+        pass
+    else:
+        f.save(tmp_path / "null")
+        assert (tmp_path / "null").is_char_device()
+    for name in ("a" * 255, "\N{SNOWMAN}" * 85, os.fsencode(tmp_path) + b"/\xff.state"):
+        f.save(os.path.join(tmp_path, name) if isinstance(name, str) else name)
+        assert rlslab.load(os.path.join(os.fsencode(tmp_path), os.fsencode(name))).state == f.state
+    left = {"file", "link", "dangling", "new", "pipe", "null", "a" * 255, "\N{SNOWMAN}" * 85, "\udcff.state"}
+    assert {p.name for p in tmp_path.iterdir()} <= left
+    os.chdir(tmp_path)
+    for path, error in (("", FileNotFoundError), (tmp_path, IsADirectoryError), ("a" * 256, OSError),
+                        ("a\0b", ValueError), (3, TypeError), (tmp_path / "file" / "x", NotADirectoryError)):
+        with pytest.raises(error):
+            f.save(path)
+    assert {p.name for p in tmp_path.iterdir()} <= left
+    mask = os.umask(0o027)
+    try:
+        f.save("private")
+        assert stat.S_IMODE(os.stat("private").st_mode) == 0o640
+    finally:
+        os.umask(mask)
 
 
 def test_pickles_of_another_version_or_damaged():

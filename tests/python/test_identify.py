@@ -96,7 +96,7 @@ def test_the_words_of_statsmodels():
     [{"order": 2}, {"na": 2, "nb": [0, 1], "delay": [1, 2], "intercept": True}, {"order": 1, "detrend": False},
      {"regressors": ["y[k-1..k-2]", "u2[k-1]", "u1[k-3]"]}, {"regressors": ["u2[k-1]", "y[k-2]"]},
      {"order": 2, "variant": "qr", "forgetting": 0.99},
-     {"order": 2, "prior_variance": 100.0}],
+     {"order": 2, "prior_variance": 100.0}, {"order": 2, "prior_variance": 3.0}],
     ids=str,
 )  # fmt: skip
 def test_a_running_filter(options):
@@ -143,6 +143,8 @@ def test_recursive_coefficients():
         M = (Psi[:k].T * w) @ Psi[:k] + 0.98**k * np.diag((scales / c) ** 2)
         assert np.allclose(kept[k - 1], np.linalg.solve(M, (Psi[:k].T * w) @ outputs[:k]), rtol=1e-7, atol=1e-9)
     assert same(kept[-1], m.params)
+    in_blocks = rlslab.identify(y, u, order=2, variant="qr_block")
+    assert same(in_blocks.recursive_coefficients[-1], in_blocks.params)
     y[:] = 0    # the record may change
     assert same(rlslab.Identification.recursive_coefficients.func(m), kept)
 

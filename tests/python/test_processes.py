@@ -115,7 +115,7 @@ def test_the_end_of_the_interpreter(end):
     [
         "f.update_many(rows, rows[:, 0], steps=True)",
         "f.update(whole, 1)",
-        "f.update([Slow()] * 8, 1)",
+        "f.update([slow] * 8, slow)",
         "fleet.update(rows, rows[:, 0])",
         "f.copy().restore(f.state)",
     ],
@@ -125,8 +125,7 @@ def test_a_thread_that_still_runs_when_the_interpreter_ends(call):
         done = run(f"""if True:
             import threading, time, numpy as np, rlslab
             rows, whole = np.ones((2000, 8)), np.ones(8, int)
-            class Slow:
-                def __float__(self): return float(sum(range(9)))
+            slow = np.array(1.0)    # an array in a list: converted by the package
             def work(f, fleet):
                 while True: {call}
             for k in range(3):

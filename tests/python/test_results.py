@@ -24,6 +24,48 @@ def test_they_are_those_of_least_squares():
         assert np.allclose(fit.recursive_coefficients[k], np.linalg.lstsq(X[: k + 1], y[: k + 1], rcond=None)[0])
 
 
+N = 40
+AT, X1 = np.arange(N), np.random.default_rng(3).standard_normal(N)
+ONE, LATE = np.ones(N), np.random.default_rng(4).standard_normal(N)
+STARTS = {
+    "step dummy": [ONE, X1, AT >= 20],
+    "event dummy of one row": [ONE, X1, AT == 30],
+    "seasonal dummies": [*(AT // 10 == np.arange(4)[:, None]), X1],
+    "rows of zeros": [ONE * (AT >= 15), X1 * (AT >= 15)],
+    "a constant but for rounding": [ONE, X1, np.where(AT < 20, 13.47, 13 + LATE)],
+    "another column but for rounding": [ONE, X1, np.where(AT < 20, 1.7 * X1, LATE)],
+    "a sum of two": [ONE, X1, LATE, np.where(AT < 20, X1 + LATE, LATE**2)],
+    "two steps": [ONE, X1, AT >= 20, AT >= 39],
+    "a counter": [ONE, 4.3e9 + np.cumsum(1 + AT % 7), X1],
+}
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_a_start_that_depends_loses_no_row(start):
+    X = np.column_stack(STARTS[start]).astype(float)
+    d = X.shape[1]
+    y = X @ np.arange(1, d + 1) + 0.1 * np.random.default_rng(5).standard_normal(N)
+    fit = RecursiveLS(y, X)
+    centred = X - (X[0] * (X[0] > 1e9))    # numpy's digits for the counter; the constant is the first column
+    theta, (loss,), *_ = np.linalg.lstsq(centred, y, rcond=None)
+    of = slice(1, None) if start == "a counter" else slice(None)
+    assert np.isclose(fit.scale, loss / (N - d), rtol=1e-4)
+    variances = loss / (N - d) * np.diag(np.linalg.inv(centred.T @ centred))
+    assert np.allclose(fit.bse[of], np.sqrt(variances)[of], rtol=1e-4)
+    assert np.isnan(fit.resid_recursive).sum() == d and len(fit.cusum) == N - d
+    determined = next(k for k in range(N) if np.linalg.matrix_rank(centred[: k + 1]) == d)
+    path = fit.recursive_coefficients
+    assert np.isnan(path[:determined]).all() and np.isfinite(path[determined:]).all()
+    for k in range(determined + 3, N, 3):
+        expected = np.linalg.lstsq(centred[: k + 1], y[: k + 1], rcond=None)[0]
+        assert np.allclose(path[k][of], expected[of], rtol=1e-4, atol=1e-9)
+    for k in np.flatnonzero(np.isfinite(fit.resid_recursive)):    # w w is what the row adds to the least sum of squares
+        before, after = (
+            np.sum((y[:m] - centred[:m] @ np.linalg.lstsq(centred[:m], y[:m], rcond=None)[0]) ** 2) for m in (k, k + 1)
+        )
+        assert np.isclose(fit.resid_recursive[k] ** 2, after - before, rtol=1e-4, atol=1e-5)
+
+
 def test_they_are_those_of_statsmodels():
     recursive_ls = pytest.importorskip("statsmodels.regression.recursive_ls")
     X, y = rows(60, 3)

@@ -2,8 +2,6 @@
 // read it.
 #include <rlslab/core/files.hpp>
 
-#include <rlslab/core/input_error.hpp>
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -12,8 +10,8 @@
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <mutex>
+#include <string>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -22,7 +20,7 @@ namespace rlslab {
 namespace {
 
 [[noreturn]] void refuse(std::filesystem::path const& path, char const* what, int error) {
-    throw InputError(fmt::format("{}: cannot {}: {}", printable(path.string(), 200), what, std::strerror(error)));
+    throw FileError(printable(path.string(), 200) + ": cannot " + what + ": " + std::strerror(error), error);
 }
 
 char unfinished_name[PATH_MAX];
@@ -90,16 +88,16 @@ void create_folder(std::filesystem::path const& folder) {
 }
 
 void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk) {
-    static std::mutex one_at_a_time;
-    std::lock_guard const lock(one_at_a_time);
     std::error_code error;
     std::filesystem::file_status const there = std::filesystem::status(path, error);
     if (exists(there) && !is_regular_file(there) && !is_directory(there)) return write_into(path, text);
+    static std::mutex one_at_a_time;
+    std::lock_guard const lock(one_at_a_time);
     std::filesystem::path target = path;
-    if (is_symlink(std::filesystem::symlink_status(path, error)))
-        target = std::filesystem::weakly_canonical(path, error);
-    Unfinished beside(fmt::format("{}.{}.new", target.string(),
-                                  ::getpid()));  // two runs in one folder do not write into each other's
+    for (int links = 0; links < 40 && is_symlink(std::filesystem::symlink_status(target, error)); ++links)
+        target = target.parent_path() / std::filesystem::read_symlink(target, error);  // also where nothing is there
+    std::string const name = target.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + ".new";
+    Unfinished beside(target.parent_path() / name);  // two runs in one folder do not write into each other's
     if (!beside.write(text, on_disk) || !beside.rename_to(target)) refuse(path, "write", errno);
     if (!on_disk) return;
     std::filesystem::path const folder = target.has_parent_path() ? target.parent_path() : ".";
