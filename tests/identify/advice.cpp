@@ -1,6 +1,5 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
 #include "identify/roots.hpp"
-#include "identify/outliers.hpp"
 #include "identify/remarks.hpp"
 #include "identify/text.hpp"
 #include "tests/identify/options.hpp"

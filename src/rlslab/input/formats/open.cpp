@@ -5,10 +5,12 @@
 #include <rlslab/input/formats/mat.hpp>
 #include <rlslab/input/sha256.hpp>
 
+#include <algorithm>
+
 namespace rlslab {
 namespace {
 
-Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string> const& requested) {
+Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string> requested, std::string const& time) {
     std::string const name = name_of_file(file.path);
     std::string begin = detail::peek(bytes, mat_begin);
     bool const compressed = begin.starts_with(gzip_begins);
@@ -16,19 +18,24 @@ Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string
         bytes = unpacked(std::move(bytes), name);
         begin = detail::peek(bytes, mat_begin);
     }
-    if (!is_mat(begin)) return CsvFile(std::move(bytes), name, file.format).read(requested);
+    if (!is_mat(begin)) return CsvFile(std::move(bytes), name, file.format).read(requested, time);
     if (file.format.separator != 0 || file.format.decimal != 0)
         throw InputError(name + ": a MATLAB file has no separators and decimal marks");
-    if (!is_mat73(begin)) return read_mat5(std::move(bytes), name, requested);
-    if (compressed || file.path == "-")
+    bool const new_one = !time.empty() && std::ranges::find(requested, time) == requested.end();
+    if (new_one) requested.push_back(time);
+    if (is_mat73(begin) && (compressed || file.path == "-"))
         throw InputError(name + ": a MATLAB file of version 7.3 is read from a regular file alone");
-    return read_mat73(file.path, requested);
+    Columns out = is_mat73(begin) ? read_mat73(file.path, requested) : read_mat5(std::move(bytes), name, requested);
+    if (!time.empty()) out.time = time, out.times = out[time];
+    if (new_one) out.names.pop_back(), out.values.pop_back();
+    return out;
 }
 
-Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::string> const& requested) {
+Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::string> const& requested,
+                   std::string const& time) {
     auto const digest = std::make_shared<Sha256>();
     ByteSource const bytes = digested(std::move(source), digest);
-    Columns out = read_any(bytes, file, requested);
+    Columns out = read_any(bytes, file, requested, time);
     std::vector<char> rest(1 << 16);  // what a reader of MATLAB's variables did not need
     while (bytes(rest) > 0) {}
     out.sha256 = digest->hex();
@@ -37,17 +44,18 @@ Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::str
 
 }  // namespace
 
-Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
-    return read_bytes(bytes_of_file(file.path), file, requested);
+Columns read_data(DataFile const& file, std::vector<std::string> const& requested, std::string const& time) {
+    return read_bytes(bytes_of_file(file.path), file, requested, time);
 }
 
-Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested) {
+Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested,
+                  std::string const& time) {
     auto const next = [text, at = std::make_shared<std::size_t>(0)](std::span<char> to) {
         std::size_t const count = text.copy(to.data(), to.size(), *at);
         *at += count;
         return count;
     };
-    return read_bytes(next, {file}, requested);
+    return read_bytes(next, {file}, requested, time);
 }
 
 }  // namespace rlslab
