@@ -344,8 +344,9 @@ std::string as_json(Comparison const& c) {
              {"broken", r.broken},
              {"breakdown",
               r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
-             {"foretold", r.foretold ? Json{{"step", rounded_row(*r.foretold)}, {"kind", name_of(Health::indefinite)}}
-                                     : Json(nullptr)},
+             {"foretold", r.foretold
+                              ? Json{{"step", Index(rounded_row(*r.foretold))}, {"kind", name_of(Health::indefinite)}}
+                              : Json(nullptr)},
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});

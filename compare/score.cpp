@@ -86,7 +86,7 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
                 out.breakdown = Breakdown{last, kind};
         }
         if (digits_at) out.digits.push_back(digits_at(c));
-        if (order.empty()) foretold.look(checkpoints[c], filter.stored());
+        if (order.empty() && rounded.problem.forgetting < 1) foretold.look(checkpoints[c], filter.stored());
     }
     Stored<Reference> const last = filter.stored();
     out.theta = filter.theta();
