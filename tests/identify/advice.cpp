@@ -79,7 +79,7 @@ TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
 TEST_F(Advice, AHeldOutPartAtRestHasNoPercentage) {
     for (double const level : {20.0, 20.3, 20.25, 0.1, 1e6 + 0.1}) {
         Signal u(900, 0.0);
-        std::ranges::copy(prbs(7, 590), u.begin());
+        std::ranges::copy(prbs(7, 500), u.begin());
         Signal y = simulate({.a = {-0.8}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, Signal(900, 0.0));
         for (size_t k = 0; k < y.size(); ++k) y[k] = k < 600 ? y[k] + level + 1e-4 * Seed{k}.bell() : level;
         Identified const m = identified(u, y, {.order = 1});
