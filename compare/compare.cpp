@@ -9,6 +9,7 @@
 #include "compare/score.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/input/constant.hpp>
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
@@ -69,13 +70,14 @@ RoundingEffect effect_of(Arithmetic const& arithmetic, RoundedProblem const& rou
 std::vector<Index> constant_regressors(Records const& records) {
     std::vector<Index> out;
     for (Index i = 0; i < records.parameters(); ++i)
-        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) out.push_back(i);
+        if (constant_value(records.psi.row(i))) out.push_back(i);
     return out;
 }
 
 /// |mean of y| in standard deviations of y: 0 if a regressor is constant, infinite if y is.
 double offset(Records const& records) {
     if (!constant_regressors(records).empty()) return 0;
+    if (auto const y = constant_value(records.y)) return *y == 0 ? 0 : std::numeric_limits<double>::infinity();
     Index const N = records.rows();
     int unit = 0;  // in units of a power of two, whose squares double can hold
     std::frexp(records.y.cwiseAbs().maxCoeff(), &unit);

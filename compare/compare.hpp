@@ -69,6 +69,7 @@ struct Result {
     std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
     int runs = 0, broken = 0;  ///< orders of rows (or draws) tried, and in how many the variant broke down
     std::optional<Breakdown> breakdown = {};   ///< in the record's order
+    std::optional<double> foretold = {};       ///< row at about which P will be indefinite (foretold.hpp)
     bool factor = false;                       ///< propagates a factor, which no rounding makes indefinite
     std::vector<Digits> path = {};             ///< at each of the comparison's checkpoints, in the record's order
     double worst_low = -INFINITY;              ///< spread->worst.low before it is rounded

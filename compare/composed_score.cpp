@@ -148,6 +148,7 @@ Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded
                 at_most(exact.covariance_digits(filter->stored()), own)};
     };
     Result out = result_of(entry, rounded, {run(*filter, arithmetic, 1, rounded, {}, against_reference)});
+    out.foretold.reset();  // what is around the form looks at its P, and changes it
     out.happened = std::move(happened);
     out.certified_to = certified_to;
     return out;

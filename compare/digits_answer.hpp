@@ -55,7 +55,7 @@ struct DigitsAnswer {
         return !trials.empty() && trials.back().first_enough() ? &trials.back() : nullptr;
     }
     KeptDigits const* choice() const { return chosen() ? trials.back().first_enough() : nullptr; }
-    bool guarded() const { return guard && guard->same_bits; }
+    bool guarded() const { return guard.has_value(); }  ///< in the code
 };
 
 /// options.digits (absent: `compare`'s own three) of every parameter. For each of the options' arithmetics in turn

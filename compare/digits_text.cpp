@@ -70,8 +70,9 @@ std::string guard_text(DigitsAnswer const& a) {
     if (a.guard->same_bits)
         return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
     return fmt::format(
-        "left out of the code: with its default policy theta departs from least squares on this record ({}). Put it "
-        "around the filter if that is what you want",
+        "Guarded<> with its default policy is in the code and was at work on this record ({}): its theta departs from "
+        "the least squares of all rows, of which the digits here are. Leave it out if those rows are to count as the "
+        "others do",
         met);
 }
 

@@ -4,6 +4,7 @@
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"
 #include "compare/digits_answer.hpp"
+#include "compare/foretold.hpp"
 #include "compare/recommend.hpp"
 #include "compare/words.hpp"
 
@@ -225,6 +226,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
               : "for the data as stored, at most the arithmetic's own. A row ends with what "
                 "the composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
+    if (std::string const text = foretold_text(c); !text.empty()) note(text);
     note(
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "
         "not recommended.");
@@ -342,6 +344,9 @@ std::string as_json(Comparison const& c) {
              {"broken", r.broken},
              {"breakdown",
               r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
+             {"foretold", r.foretold
+                              ? Json{{"step", Index(rounded_row(*r.foretold))}, {"kind", name_of(Health::indefinite)}}
+                              : Json(nullptr)},
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
@@ -376,7 +381,7 @@ std::string as_csv(Comparison const& c) {
     std::string out = c.run ? as_comments(*c.run) : "";
     out +=
         "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
-        "asymmetry,operations,ns_per_update,runs,broken";
+        "foretold_step,asymmetry,operations,ns_per_update,runs,broken";
     for (char const* of : {"theta", "worst", "covariance"})
         for (char const* point : {"low", "median", "high"}) out += fmt::format(",{}_{}", of, point);
     bool const plain = c.options.composition.empty();
@@ -389,9 +394,10 @@ std::string as_csv(Comparison const& c) {
     auto const cell = [](Json const& value) { return value.is_null() ? std::string() : value.dump(); };
     for (Result const& r : c.results) {
         out += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
+            "{},{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
             cell(digits_json(r.last.theta)), cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)),
             r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? name_of(r.breakdown->kind) : "",
+            r.foretold ? fmt::format("{:.0f}", rounded_row(*r.foretold)) : "",
             r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
             r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
         for (auto const m : PerMeasure<Spread>::all())

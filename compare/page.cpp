@@ -311,7 +311,8 @@ std::string as_page(Comparison const& c) {
         "tenth of the counts reach. \"Costs you\": by how much a variant's median is below the best median of "
         "the variants that take single rows and never broke down, in the column where that is most. Asymmetry: max "
         "|P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
-        tables(c) + "</section><section><h2>The exact solutions</h2>\n";
+        (foretold_text(c).empty() ? "" : fmt::format("<p>{}</p>\n", escaped(foretold_text(c)))) + tables(c) +
+        "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
     body += fmt::format(
         "<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius,

@@ -1,6 +1,7 @@
 // A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the reference at
 // the checkpoints.
 #include "compare/score.hpp"
+#include "compare/foretold.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>
@@ -73,6 +74,7 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
     if (Health const kind = breakdown(filter, arithmetic); kind != Health::sound) out.breakdown = Breakdown{0, kind};
     Index const rows = rounded.records.rows();
     std::vector<Index> const checkpoints = checkpoints_of(rows);
+    Foretold foretold(rounded.problem.forgetting, checkpoints.size());
     Index first = 0;
     for (size_t c = 0; c < checkpoints.size(); ++c) {
         while (first < checkpoints[c]) {
@@ -84,10 +86,12 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
                 out.breakdown = Breakdown{last, kind};
         }
         if (digits_at) out.digits.push_back(digits_at(c));
+        if (order.empty() && rounded.problem.forgetting < 1) foretold.look(checkpoints[c], filter.stored());
     }
     Stored<Reference> const last = filter.stored();
     out.theta = filter.theta();
     if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{rows, Health::nonfinite};
+    if (!out.breakdown) out.foretold = foretold.row();
     out.asymmetry = asymmetry_of(last);
     out.factor = last.form == Stored<Reference>::Form::factor;
     return out;
@@ -98,6 +102,7 @@ Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std
     Result out{.entry = &entry,
                .runs = int(runs.size()),
                .breakdown = first.breakdown,
+               .foretold = first.foretold,
                .factor = first.factor,
                .path = first.digits,
                .asymmetry = first.asymmetry};

@@ -2,6 +2,7 @@
 #include "compare/words.hpp"
 #include "compare/composed_words.hpp"
 #include "compare/digits_answer.hpp"
+#include "compare/foretold.hpp"
 #include "compare/prior_costs.hpp"
 
 #include <algorithm>
@@ -34,7 +35,7 @@ std::string breakdown_text(Result const& r) {
     if (!r.obstacle.empty()) return "-";
     if (r.breakdown) return fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step);
     return r.broken == 0
-               ? "none"
+               ? r.foretold ? fmt::format("about row {:.0f}", rounded_row(*r.foretold)) : "none"
                : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
 }
 
@@ -54,6 +55,12 @@ std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
                        s.theta_digits
                            ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
                            : "no exact theta: the problem leaves the range");
+}
+
+std::string foretold_text(Comparison const& c) {
+    if (std::ranges::none_of(c.results, [](Result const& r) { return r.foretold.has_value(); })) return "";
+    return "about row N: sound on this record, but if such rows go on, the stored P is indefinite at about that row: "
+           "its asymmetry grows by 1/lambda at each (docs/theory.md 37).";
 }
 
 std::string recommended_in(Comparison const& c, std::string_view arithmetic) {

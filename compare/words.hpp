@@ -17,7 +17,7 @@ std::string listed(std::vector<std::string> const& items, std::string const& ind
 /// Digits to a tenth; "-" where there are none.
 std::string tenths(double digits);
 
-/// "none", "indefinite at 25", "in 2 of 4 orders".
+/// "none", "indefinite at 25", "in 2 of 4 orders", "about row 11000".
 std::string breakdown_text(Result const& result);
 
 /// "8e-01", "0"; "-" where nothing is known.
@@ -29,6 +29,9 @@ std::string nanoseconds_text(std::optional<double> const& ns);
 
 /// "as stored: lambda 0.9906, rank 5 of 5; rounding the data leaves 2.3 digits of the exact theta"
 std::string rounding_text(RoundingEffect const& effect, Comparison const& comparison);
+
+/// What "about row 11000" means; "" where nothing is foretold.
+std::string foretold_text(Comparison const& comparison);
 
 /// The variant to use in this arithmetic, or "": the recommendation, or what keeps the digits that are wanted.
 std::string recommended_in(Comparison const& comparison, std::string_view arithmetic);

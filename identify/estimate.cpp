@@ -126,42 +126,18 @@ std::string better_variant(Problem<double> const& problem, Records const& record
 
 using Rank = Remark::Rank;
 
-/// G = (Phi'Phi)^-1. The part of regressor i that the others do not explain, x_i + sum_j w_j x_j with w_j = G_ij /
-/// G_ii, has the mean square 1 / (N G_ii). Numbers rounded to q_j cause sum_j w_j^2 q_j^2 / 12 by themselves. If the
-/// mean square is below four times that, the regressors depend on one another but for rounding. Tests the regressor
-/// with the smallest such part, relative to its scale.
 std::optional<Remark> remark_on_dependence(IdentifyOptions const& options, std::vector<Term> const& terms,
                                            Records const& records, Scatter const& free,
                                            Vector<double> const& resolution) {
-    Index const d = records.parameters();
-    Vector<double> const s = regressor_scales(records);
-    Index i = 0;
-    for (Index j = 1; j < d; ++j)
-        if (s[j] * free.sd[j] > s[i] * free.sd[i]) i = j;
-    Vector<double> w(d);
-    double rounding = 0, largest = 0;
-    for (Index j = 0; j < d; ++j) {
-        w[j] = free.correlation(i, j) * free.sd[j] / free.sd[i];
-        rounding += w[j] * w[j] * resolution[j] * resolution[j] / 12;
-        largest = std::max(largest, std::abs(w[j]) * s[j]);
-    }
-    double const unexplained = 1 / (free.freedom + double(d)) / free.sd[i] / free.sd[i];
-    if (!(unexplained < 4 * rounding)) return {};
-    std::vector<std::string> dependent;
-    for (Index j = 0; j < d; ++j)
-        if (std::abs(w[j]) * s[j] > 1e-3 * largest) dependent.push_back(terms[size_t(j)].regressor);
-    std::string const names = dependent.size() > 8 ? fmt::format("{} of the {} regressors", dependent.size(), d)
-                                                   : fmt::format("{}", fmt::join(dependent, ", ")),
+    std::vector<Index> const dependent = dependent_but_for_rounding(records, free, resolution);
+    if (dependent.empty()) return {};
+    std::vector<std::string> regressors;
+    for (Term const& t : terms) regressors.push_back(t.regressor);
+    std::string const names = names_of(dependent, regressors),
                       instead = !options.regressors.empty() || options.inputs.size() > 1
                                     ? "leave out one of " + names
                                     : "a lower order, or a richer input";
-    return Remark{
-        Rank::dependence,
-        fmt::format(
-            "{} depend on one another but for the rounding of their numbers: this record does not determine their "
-            "parameters, in whatever arithmetic: {}",
-            names, instead),
-        instead};
+    return Remark{Rank::dependence, sentence_on_dependence(names, instead), instead};
 }
 
 /// Remarks about breakdown, rounding and prior. rounded, biased: rounding, or the prior, moves theta by more than its

@@ -11,6 +11,7 @@
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/model/difference.hpp>
+#include <rlslab/model/doubts.hpp>
 #include <rlslab/input/formats/open.hpp>
 #include <rlslab/model/excitation.hpp>
 
@@ -36,6 +37,7 @@ struct IdentifyOptions {
     std::optional<double> p0 = {};  ///< c^2 of P0 = c^2 I; nullopt: P0 is scaled to the data
     double validate = 1.0 / 3;      ///< the last part of the record, not fitted
     double confidence = 0.95;
+    std::string time = {};  ///< column of times, in whose order the rows are taken (times.hpp); empty: the file's order
     std::optional<double> sample_time = {};  ///< seconds, 1e-15 to 1e15; nullopt: time is in samples
     Composition composition = {};            ///< around the variant, beside the model: Identified::tracked
     std::optional<int> noise_model = {};     ///< n of C = 1 + c1 q^-1 + ... + cn q^-n: Identified::noise_model
@@ -78,6 +80,7 @@ struct Cancellation {
 struct Remark {
     /// In order of importance: a remark makes all that follow it doubtful.
     enum class Rank {
+        time,
         dependence,
         breakdown,
         outlier,
@@ -105,14 +108,6 @@ struct PastInput {
     double bound;        ///< 99 % bound of all lags of all inputs together
     Index first_lag;     ///< first significant lag when all lags up to `lag` are in the equation; `lag` if none is
                          ///< significant
-};
-
-/// A residual that is too large for a normal distribution.
-struct Outlier {
-    Index row;  ///< of the record, from 1
-    long line;  ///< of the file
-    bool held_out;
-    double deviations, share;  ///< in root mean squares of its part's residuals; of their sum of squares
 };
 
 /// The terms of the equation, and how they were chosen.

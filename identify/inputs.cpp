@@ -1,10 +1,11 @@
 // The excitation of each input, and remarks about it.
 #include "identify/inputs.hpp"
 
-#include "identify/outliers.hpp"
 #include "identify/structure.hpp"
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/input/times.hpp>
+#include <rlslab/model/outliers.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -78,6 +79,7 @@ InputCheck check_inputs(Record const& record, IdentifyOptions const& options, Pr
         if (t.input >= 0) ++coefficients[size_t(t.input)];
     Index const needed = inputs > 0 ? *std::ranges::max_element(coefficients) - 1 : widest_order(options);
     InputCheck out{.supported = needed, .excitation = {}, .remarks = {}};
+    if (!record.of_times.empty()) out.remarks.push_back({Rank::time, record.of_times, time_option(record.time)});
     for (std::string const& sentence : record.warnings) out.remarks.push_back({Rank::excitation, sentence, ""});
     for (size_t j = 0; j < inputs; ++j) {
         Signal const& u = record.inputs_with_means[j];

@@ -182,6 +182,7 @@ std::string as_json(Identified const& m) {
           {"delay", o.delay},
           {"intercept", o.intercept},
           {"detrend", o.detrend},
+          {"time", o.time.empty() ? Json(nullptr) : Json(o.time)},
           {"validate", o.validate},
           {"confidence", o.confidence}}},
         {"units",

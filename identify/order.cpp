@@ -2,6 +2,7 @@
 #include "identify/order.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/input/constant.hpp>
 #include <rlslab/model/order_recursive_qr.hpp>
 #include <rlslab/reference/distributions.hpp>
 
@@ -58,6 +59,7 @@ LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
         out.Q += present * (present + 2) * r * r / s.pairs;
     }
     out.freedom = std::max<Index>(1, seen - fitted);
+    out.zeros = present > 0 && power == 0;
     if (power > 0 && std::isfinite(power)) out.p = correctly::chi_squared_tail(double(out.freedom), out.Q);
     return out;
 }
@@ -101,6 +103,7 @@ Vector<double> predicted(Matrix<double> const& X, Vector<double> const& theta, I
 double squares_about_mean(Vector<double> const& y, Index rows, bool intercept) {
     double mean = 0, out = 0;
     for (Index k = 0; k < rows && intercept; ++k) mean += y[k] / double(rows);
+    if (intercept) mean = constant_value(y.head(rows)).value_or(mean);
     for (Index k = 0; k < rows; ++k) out += (y[k] - mean) * (y[k] - mean);
     return out;
 }

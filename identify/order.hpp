@@ -73,6 +73,7 @@ double rounding_alone(Index rows, double y);
 struct LjungBox {
     double Q, p;
     Index lags, freedom;
+    bool zeros = false;  ///< nothing but zeros: Q is 0 also where no residual meets another
     bool white() const { return p >= white_level; }
 };
 /// Nothing but zeros: Q = 0, p = 1. Infinite residuals, or none: NaN. Throws std::invalid_argument unless 1 <= lags <

@@ -4,10 +4,13 @@
 #include "identify/structure.hpp"
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/input/constant.hpp>
 #include <rlslab/input/counting.hpp>
+#include <rlslab/input/times.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <span>
 
 namespace rlslab::identify {
 using namespace report;
@@ -26,18 +29,14 @@ double subtract_mean(Signal& x, Index count) {
     for (Index k = 0; k < count; ++k) known += !std::isnan(x[size_t(k)]);
     for (Index k = 0; k < count; ++k)
         if (!std::isnan(x[size_t(k)])) mean += x[size_t(k)] / known;
+    mean = constant_value(std::span(x).first(size_t(count))).value_or(mean);
     for (double& v : x) v -= mean;
     return mean;
 }
 
 bool changes(Signal const& x, Index count) {
-    double first = NAN;
-    for (Index k = 0; k < count; ++k) {
-        double const v = x[size_t(k)];
-        if (std::isnan(first)) first = v;
-        else if (!std::isnan(v) && v != first) return true;
-    }
-    return false;
+    auto const first = std::span(x).first(size_t(count));
+    return !constant_value(first) && std::ranges::any_of(first, [](double v) { return !std::isnan(v); });
 }
 
 Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
@@ -46,7 +45,11 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
     for (std::string const& name : names)
         if (std::ranges::count(names, name) > 1)
             throw InputError(fmt::format("{}: column \"{}\" is named twice", name_of_file(file.path), printable(name)));
-    Columns columns = read_data(file, names);
+    Columns columns = read_data(file, names, options.time);
+    std::string const of_times = options.time.empty() ? sentence_on_times(columns).value_or("") : "";
+    if (!options.time.empty())
+        columns = in_order_of_time(std::move(columns),
+                                   std::max<Index>(1000, presample(terms_of(options, widest_order(options)))));
     Record out{.file = printable(file.path, 200), .y = columns[options.output], .lines = std::move(columns.lines)};
     out.sha256 = columns.sha256;
     for (std::string const& name : options.inputs) out.inputs.push_back(columns[name]);
@@ -57,6 +60,7 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
         out.resolutions.push_back(known.empty() ? 0 : resolution_of(known, 0x1p-46));
     }
     out.warnings = counting_warnings(columns, options.inputs);
+    out.of_times = of_times, out.time = columns.time;
     out.samples = Index(out.y.size());
     out.fitted = out.samples - Index(std::floor(options.validate * double(out.samples)));
     return out;

@@ -16,6 +16,7 @@ struct Record {
     std::vector<double> resolutions = {};        ///< of each input, then of the output
     std::vector<long> lines = {};                ///< of the file
     std::vector<std::string> warnings = {};      ///< of inputs that count upwards
+    std::string of_times = {}, time = {};        ///< what a column of times says, and its name; empty: nothing
     Index samples = 0, fitted = 0;               ///< the first `fitted` samples are fitted, the others held out
 };
 

@@ -170,7 +170,19 @@ std::string look_where_held_out_begins(Model) {
 std::string fit_or(double fit, char const* otherwise) {
     return std::isfinite(fit) ? fmt::format("{:.3g} %", fit) : otherwise;
 }
+/// A percentage of no spread is none: the errors themselves are compared.
+bool stands_still_where_held_out(Model m) {
+    return m.held_out_one_step == -INFINITY && !(m.held_out_error > falls_by * m.fit_error);
+}
 Rule const rules_on_held_out[] = {
+    {Rank::held_out, stands_still_where_held_out,
+     [](Model m) {
+         return fmt::format(
+             "held out, y does not change there: a fit in percent says nothing. The one-step error is {:.3g} there, "
+             "{:.3g} in the fitted part: another --validate holds out rows in which y changes",
+             m.held_out_error, m.fit_error);
+     },
+     [](Model) -> std::string { return "another --validate"; }},
     {Rank::held_out, [](Model m) { return m.held_out_one_step < 0; },
      [](Model m) {
          return fmt::format(
@@ -220,20 +232,9 @@ void add(std::vector<Remark>& out, std::span<Rule const> rules, Model m) {
 // --- one remark for each object --------------------------------------------------------------------------------------
 
 Remark remark_on(Outlier const& o, Model m) {
-    std::string const row = o.line == o.row ? fmt::format("row {}", o.row)
-                                            : fmt::format("row {} (line {})", o.row, o.line),
-                      advice = o.held_out ? "The held-out fit says little. "
-                                          : "Do not believe the estimate, nor that residuals pass for white. ";
-    bool const dominates = o.share > 0.1;  // the other rows hardly count
-    return {dominates ? Rank::outlier : Rank::structure,
-            fmt::format("{} is {:.2g} standard deviations off what the model predicts{}: it alone has {:.3g} % of the "
-                        "sum of squares{}. {}"
-                        "If it is wrong, or a row just before it, empty that cell, and it is skipped; --guard reset "
-                        "leaves such rows out "
-                        "as they come",
-                        row, o.deviations, o.held_out ? ", in the part held out" : "", 100 * o.share,
-                        o.held_out ? " there" : "", dominates ? advice : ""),
-            fmt::format("look at {}{}", row, m.tracked ? "" : "; --guard reset leaves it out")};
+    bool const guarded = m.options.composition.policy().intervenes();
+    return {o.dominates() ? Rank::outlier : Rank::structure, sentence_on(o, guarded),
+            fmt::format("look at {}{}", row_text(o), guarded ? "" : "; --guard reset leaves it out")};
 }
 
 Remark remark_on(PastInput const& p, Model m) {

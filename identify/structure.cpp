@@ -4,6 +4,7 @@
 #include "identify/record.hpp"
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/input/constant.hpp>
 #include <rlslab/model/lags.hpp>
 
 #include <algorithm>
@@ -55,6 +56,11 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
         OrderColumns const columns = order_columns(record.inputs, record.y, most, options.delay, options.intercept);
         Index const held_out = columns.samples.end() - std::ranges::lower_bound(columns.samples, record.fitted);
         out.choice = choose_order(columns, most, held_out);
+        if (out.choice.fits.size() < 2 && constant_value(columns.y.head(out.choice.rows)))
+            throw InputError(fmt::format(
+                "{}: column \"{}\" does not change from row {} on, where a choice up to order {} begins to fit: "
+                "expected a lower --max-order, or --order",
+                record.file, printable(options.output), columns.samples.front() + 1, most));
         if (out.choice.fits.size() < 2)
             throw InputError(fmt::format("{}: {} linearly dependent already at order 1", record.file,
                                          record.inputs.empty() ? "the past outputs and the constant are"

@@ -47,7 +47,7 @@ std::string crossing_text(ConstancyPath const& path, Constancy const& c, Clock c
 std::string tail(double p) { return p == 0 ? "p < 1e-300" : fmt::format("p = {:.3g}", p); }
 
 std::string whiteness_text(double sigma2, LjungBox const& w, bool judged) {
-    std::string const verdict = w.Q == 0  ? "nothing is left beyond rounding"
+    std::string const verdict = w.zeros   ? "nothing is left beyond rounding"
                                 : !judged ? "no verdict on those of the last theta over all rows"
                                           : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white",
                                                         tail(w.p), w.white() ? ">=" : "<", white_level);

@@ -2,9 +2,10 @@
 #include "identify/validate.hpp"
 
 #include "identify/constancy.hpp"
-#include "identify/outliers.hpp"
 #include "identify/responses.hpp"
 #include "identify/roots.hpp"
+
+#include <rlslab/model/outliers.hpp>
 
 #include <algorithm>
 

@@ -97,6 +97,14 @@ std::vector<std::string> names_before_lags(std::vector<std::string> words, DataF
     return names_before_lags(std::move(words), columns);
 }
 
+void define_time(CLI::App& command, std::string& column) {
+    command
+        .add_option("--time", column,
+                    "column of times, numbers or as 2024-05-17 08:15:30: rows in their order, and none across a gap")
+        ->check(named("the name of a column"))
+        ->type_name("COLUMN");
+}
+
 void define_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
     auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help,

@@ -45,6 +45,9 @@ inline constexpr char file_with_missing_values[] =
 /// --separator, --decimal and --missing, of every command that reads a file.
 void define_format(CLI::App& command, CsvFormat& format);
 
+/// --time, of the commands that take rows for samples.
+void define_time(CLI::App& command, std::string& column);
+
 /// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
 /// program instead.
 void print(std::string const& text);

@@ -47,8 +47,10 @@ CompareOptions checked_options(CompareArguments const& a) {
 /// 0 where some variant is recommended in some arithmetic, or keeps the digits that are wanted, else 1.
 int run_compare(CompareArguments const& a) {
     CompareOptions const options = checked_options(a);
-    Question const question = question_of(with_example(a.record));
+    Question question = question_of(with_example(a.record));
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
+    for (std::string& doubt : doubts(question.records, options, question.model.regressors, question.in_file))
+        question.model.warnings.push_back(std::move(doubt));
     comparison.model = question.model;
     if (options.p0 || a.json || !a.out.empty()) comparison.prior_costs = prior_costs(question.records, comparison);
     comparison.run = this_run(options.timings, question.model.file, question.sha256, question.rows);
@@ -95,8 +97,7 @@ Command compare_command(CLI::App& app) {
         "checkpoints, and after the last row of the least-squares solution for the data as given, in every order of "
         "the rows. For that "
         "it weakens the prior, and scales columns whose numbers are near the ends of the arithmetic. The C++ has a "
-        "guard if that "
-        "changed nothing on this record. The digits say how well a filter computes, not how well the data determine "
+        "guard where the form can have one, and the answer says what it met on this record. The digits say how well a filter computes, not how well the data determine "
         "theta.\n\n"
         "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the "
         "checkpoints; 1 none of those "

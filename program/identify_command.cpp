@@ -266,6 +266,7 @@ Command identify_command(CLI::App& app) {
         ->check(whole(0, 200));
     list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")
         ->check(whole(0, 100000));
+    define_time(*c, a->options.time);
     c->add_option("--sample-time", a->options.sample_time,
                   "seconds from one sample to the next: times in seconds, frequencies in hertz; default: in samples")
         ->check(real("seconds from 1e-15 to 1e15", [](double x) { return 1e-15 <= x && x <= 1e15; }))

@@ -2,13 +2,17 @@
 #include "program/record_options.hpp"
 #include "program/examples.hpp"
 
+#include <rlslab/input/constant.hpp>
 #include <rlslab/input/counting.hpp>
+#include <rlslab/input/times.hpp>
+#include <rlslab/model/excitation.hpp>
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 namespace rlslab::program {
 using namespace compare;
@@ -23,7 +27,7 @@ std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
         double sum = 0, there = 0;
         for (double const v : x)
             if (!std::isnan(v)) sum += v, ++there;
-        double const mean = there > 0 ? sum / there : 0;
+        double const mean = constant_value(x).value_or(there > 0 ? sum / there : 0);
         for (double& v : x) v -= mean;
         out.emplace_back(printable(columns.names[j]), mean);
     }
@@ -66,6 +70,7 @@ void define_record(CLI::App& command, RecordArguments& a) {
                  "whose past outputs have a minus: these have none");
     command.add_flag("--intercept", a.intercept, "a constant regressor besides");
     command.add_flag("--detrend", a.detrend, "take the mean off each column first");
+    define_time(command, a.time);
 }
 
 std::string usual_arithmetic(std::string name) {
@@ -134,34 +139,55 @@ Model model_of(RecordArguments const& a) {
     return out;
 }
 
-Records records_of(Columns const& data, RecordArguments const& a, Model const& model) {
-    if (!model.lagged.empty()) return lagged_records(data, model.lagged, a.output, a.intercept);
+Records records_of(Columns const& data, RecordArguments const& a, Model const& model, std::vector<Index>& rows) {
+    if (!model.lagged.empty()) return lagged_records(data, model.lagged, a.output, a.intercept, &rows);
     std::vector<std::span<double const>> inputs;
     for (std::string const& input : a.inputs) inputs.emplace_back(data[input]);
-    return arx_records(inputs, a.inputs, data[a.output], model.arx, data.file);
+    return arx_records(inputs, a.inputs, data[a.output], model.arx, data.file, &rows);
 }
 
 Columns columns_of(RecordArguments const& a, DataFile const& file, std::vector<std::string> const& names) {
-    if (a.example.empty()) return read_data(file, names);
-    return read_text(example_named(a.example, "--example").text, a.example + ".csv", names);
+    if (a.example.empty()) return read_data(file, names, a.time);
+    return read_text(example_named(a.example, "--example").text, a.example + ".csv", names, a.time);
 }
 
-/// What the parameters multiply, in the order of the records' columns: "-sales[k-1]", "lead[k]", "1".
-std::vector<std::string> regressor_texts(Columns const& data, RecordArguments const& a, Model const& model) {
-    auto const text = [&](std::string const& column, int lag) {
-        return text_of({data.header ? column : "column " + column, lag});
-    };
-    std::vector<std::string> out;
+/// What a parameter multiplies: a column with a lag, or 1.
+struct Multiplied {
+    std::string column;  ///< "": 1
+    int lag = 0;
+    bool negative = false;
+};
+/// In the order of the records' columns.
+std::vector<Multiplied> multiplied(RecordArguments const& a, Model const& model) {
+    std::vector<Multiplied> out;
     if (!model.lagged.empty()) {
-        if (a.intercept) out.push_back("1");
-        for (Lagged const& r : model.lagged) out.push_back(text(r.column, r.lag));
+        if (a.intercept) out.push_back({});
+        for (Lagged const& r : model.lagged) out.push_back({r.column, r.lag});
         return out;
     }
-    for (int i = 1; i <= model.arx.na; ++i) out.push_back("-" + text(a.output, i));
+    for (int i = 1; i <= model.arx.na; ++i) out.push_back({a.output, i, true});
     for (std::string const& input : a.inputs)
-        for (int i = 0; i <= model.arx.nb; ++i) out.push_back(text(input, model.arx.delay + i));
-    if (a.intercept) out.push_back("1");
+        for (int i = 0; i <= model.arx.nb; ++i) out.push_back({input, model.arx.delay + i});
+    if (a.intercept) out.push_back({});
     return out;
+}
+
+/// "-sales[k-1]", "lead[k]", "1".
+std::string text_of(Multiplied const& m, bool header) {
+    if (m.column.empty()) return "1";
+    return (m.negative ? "-" : "") + rlslab::text_of({header ? m.column : "column " + m.column, m.lag});
+}
+
+Index longest_lag(Model const& model) {
+    Index out = model.lagged.empty() ? model.arx.presample() : 0;
+    for (Lagged const& r : model.lagged) out = std::max<Index>(out, r.lag);
+    return out;
+}
+
+/// Of the numbers as they stand in the file; computed ones may carry some dozens of roundings.
+double resolution_in(std::vector<double> known) {
+    std::erase_if(known, [](double v) { return std::isnan(v); });
+    return known.empty() ? 0 : resolution_of(known, 0x1p-46);
 }
 
 }  // namespace
@@ -181,10 +207,21 @@ Question question_of(RecordArguments a, std::optional<Columns>* kept) {
     std::vector<std::string> regressors = model.columns;
     std::erase(regressors, a.output);
     out.model.warnings = counting_warnings(data, regressors);
+    Index const longest = longest_lag(model);
+    if (auto const sentence = a.time.empty() && longest > 0 ? sentence_on_times(data) : std::nullopt)
+        out.model.warnings.push_back(*sentence);
+    if (!a.time.empty()) data = in_order_of_time(std::move(data), std::max<Index>(1000, longest));
+    std::map<std::string, double> resolution{{"", 0}};
+    for (size_t j = 0; j < data.names.size(); ++j) resolution[data.names[j]] = resolution_in(data.values[j]);
     if (a.detrend) out.model.means = subtract_means(data);
-    out.model.output = text_of({data.header ? a.output : "column " + a.output, 0});
-    out.model.regressors = regressor_texts(data, a, model);
-    out.records = records_of(data, a, model);
+    out.model.output = text_of({a.output}, data.header);
+    for (Multiplied const& m : multiplied(a, model)) {
+        out.model.regressors.push_back(text_of(m, data.header));
+        out.in_file.resolution.push_back(resolution[m.column]);
+    }
+    out.records = records_of(data, a, model, out.in_file.rows);
+    out.in_file.order = out.records.presample - model.arx.delay;
+    out.in_file.lines = std::move(data.lines);
     return out;
 }
 

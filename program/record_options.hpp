@@ -1,7 +1,7 @@
 // The record that compare works on: a file, its columns and a model.
 #pragma once
 
-#include "compare/compare.hpp"
+#include "compare/doubts.hpp"
 #include "program/commands.hpp"
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace rlslab::program {
 
 struct RecordArguments {
     CsvFormat format = {};
-    std::string file = {}, example = {}, output = {};
+    std::string file = {}, example = {}, output = {}, time = {};
     std::vector<std::string> inputs = {}, regressors = {};
     int order = 0, na = -1, nb = -1, delay = 0;
     bool intercept = false, detrend = false;
@@ -29,6 +29,7 @@ void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char 
 struct Question {
     Records records;
     compare::ModelText model;
+    compare::InFile in_file;
     std::string sha256;  ///< of the file
     long rows = 0;       ///< of the file
 };

@@ -1,9 +1,11 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
 #include "identify/roots.hpp"
-#include "identify/outliers.hpp"
 #include "identify/remarks.hpp"
 #include "identify/text.hpp"
 #include "tests/identify/options.hpp"
+
+#include <rlslab/model/fit.hpp>
+#include <rlslab/model/outliers.hpp>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -72,6 +74,22 @@ TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
     EXPECT_THAT(m.remarks, Contains(worse));
     EXPECT_THAT(m.remarks, Contains(Says(Rank::held_out, "")).Times(1)) << "one cause, one remark";
     EXPECT_THAT(as_table(m), HasSubstr("warning: held out"));
+}
+/// A mean that is summed up leaves rounding of a level, and a spread of rounding is none.
+TEST_F(Advice, AHeldOutPartAtRestHasNoPercentage) {
+    for (double const level : {20.0, 20.3, 20.25, 0.1, 1e6 + 0.1}) {
+        Signal u(900, 0.0);
+        std::ranges::copy(prbs(7, 500), u.begin());
+        Signal y = simulate({.a = {-0.8}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, Signal(900, 0.0));
+        for (size_t k = 0; k < y.size(); ++k) y[k] = k < 600 ? y[k] + level + 1e-4 * Seed{k}.bell() : level;
+        Identified const m = identified(u, y, {.order = 1});
+        EXPECT_GT(m.fit_one_step, 99);
+        EXPECT_EQ(m.held_out_one_step, -INFINITY) << level;
+        EXPECT_THAT(m.remarks, Contains(Says(Rank::held_out, "y does not change there"))) << level;
+        EXPECT_THAT(m.warnings(), Not(Contains(HasSubstr("do not use it there"))));
+        EXPECT_EQ(fit_percent(Vector<double>::Constant(100, level), Vector<double>::Constant(100, level + 1)),
+                  -INFINITY);
+    }
 }
 TEST_F(Advice, AHeldOutPartThatIsPredictedButNotSimulated) {
     Signal const u = scaled(white_noise(600, Seed{2}), 0.01);

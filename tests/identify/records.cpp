@@ -159,6 +159,56 @@ TEST_F(IdentifyRecords, WithoutARowAreRefused) {
     for (double const v : y) no_input += fmt::format(",{}\n", v);
     EXPECT_THAT(said(no_input, {.order = 1}), Names("gaps.csv u"));
 }
+/// A series that is zero but once. What is said of it is so.
+TEST_F(IdentifyRecords, AnImpulseIsCalledWhatItIs) {
+    Signal impulse(140, 0.0);
+    impulse[4] = 19.68;
+    std::string text = "y\n";
+    for (double const v : impulse) text += fmt::format("{}\n", v);
+    std::string const one = folder.file(text, "impulse.csv");
+    EXPECT_THAT(folder.without(files::message_of([&] { identify::identify(one, {.output = "y"}); })),
+                Names("impulse.csv y 11 10 --max-order"));
+    Identified const first = identify::identify(one, {.output = "y", .order = 1});
+    EXPECT_EQ(first.held_out_one_step, -INFINITY) << "no percentage of a spread of zero";
+    EXPECT_THAT(as_table(first), HasSubstr("held out: - one step"));
+    Identified const whole = identify::identify(one, {.output = "y", .order = 1, .detrend = false, .validate = 0});
+    EXPECT_GT(whole.sigma2, 2);
+    EXPECT_FALSE(whole.ljung_box.zeros);
+    EXPECT_THAT(as_table(whole), testing::Not(HasSubstr("beyond rounding")));
+    EXPECT_THAT(whole.warnings(), testing::Contains(Names("row 5 100")));
+}
+/// Rows that a logger dropped, by their times: as if they were there and empty.
+TEST_F(IdentifyRecords, TimesPutRowsWhereTheyBelong) {
+    auto const text = [&](auto const& row) {
+        std::string out = "time [s],u,y\n";
+        for (size_t k = 0; k < u.size(); ++k) out += row(k);
+        return out;
+    };
+    auto const gone = [](size_t k) { return k > 3 && k % 29 < 2; };
+    std::string const dropped = folder.file(
+                          text([&](size_t k) {
+                              return gone(k) ? "" : fmt::format("{:.1f},{},{}\n", 0.1 * double(k), u[k], y[k]);
+                          }),
+                          "dropped.csv"),
+                      empty = folder.file(text([&](size_t k) {
+                                              return gone(k)
+                                                         ? fmt::format("{:.1f},,\n", 0.1 * double(k))
+                                                         : fmt::format("{:.1f},{},{}\n", 0.1 * double(k), u[k], y[k]);
+                                          }),
+                                          "empty.csv");
+    IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = 1};
+    Identified const as_empty = identify::identify(empty, options), blind = identify::identify(dropped, options);
+    ASSERT_FALSE(blind.remarks.empty());
+    EXPECT_THAT(blind.remarks.front(), Says(Remark::Rank::time, "time 10 0.1 --time"));
+    EXPECT_EQ(blind.next(), "--time 'time [s]'");
+    EXPECT_NE(values(blind), values(as_empty));
+    options.time = "time [s]";
+    Identified const mended = identify::identify(dropped, options);
+    EXPECT_EQ(values(mended), values(as_empty));
+    EXPECT_EQ(mended.samples, as_empty.samples);
+    EXPECT_EQ(mended.held_out_simulated, as_empty.held_out_simulated);
+    EXPECT_EQ(mended.warnings(), as_empty.warnings());
+}
 /// An error that does not matter is stated in units of each regressor: units of u move no digit and no word. Little
 /// noise, slow poles.
 TEST_F(IdentifyRecords, UnitsChangeNothing) {

@@ -161,11 +161,11 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
     std::istringstream csv(without_run(shell(command + " --csv").out));
     std::string line;
     std::getline(csv, line);
-    EXPECT_EQ(line,
-              "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
-              "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,"
-              "worst_high,"
-              "covariance_low,covariance_median,covariance_high");
+    EXPECT_EQ(
+        line,
+        "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
+        "foretold_step,asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,"
+        "worst_median,worst_high,covariance_low,covariance_median,covariance_high");
     for (json const& r : results) {
         ASSERT_TRUE(std::getline(csv, line));
         std::string const digits = r["theta_digits"].is_null() ? "" : r["theta_digits"].dump();

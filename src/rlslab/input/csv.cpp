@@ -5,6 +5,7 @@
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/csv_marks.hpp>
 #include <rlslab/input/csv_text.hpp>
+#include <rlslab/input/times.hpp>
 
 #include <fmt/format.h>
 
@@ -109,6 +110,7 @@ struct CsvFile::State {
         if (fault) fail(fault->at.line, fault->at.column, fault->message);
     }
     double number_in(std::size_t column);
+    std::optional<std::size_t> column_of_times(std::vector<std::size_t> const& requested) const;
 };
 
 /// The lines of the next row; sets `line`.
@@ -300,6 +302,13 @@ double CsvFile::State::number_in(std::size_t column) {
     return value;
 }
 
+/// One that may be it.
+std::optional<std::size_t> CsvFile::State::column_of_times(std::vector<std::size_t> const& requested) const {
+    auto const called = std::ranges::find_if(names, named_as_time);
+    std::size_t const place = header && called != names.end() ? std::size_t(called - names.begin()) : 0;
+    return std::ranges::count(requested, place) > 0 ? std::nullopt : std::optional(place);
+}
+
 CsvFile::CsvFile(std::string const& path, CsvFormat format)
     : CsvFile(bytes_of_file(path), name_of_file(path), format) {}
 
@@ -328,21 +337,25 @@ std::string const& CsvFile::file() const { return state_->lines.name(); }
 bool CsvFile::has_header() const { return state_->header; }
 std::vector<std::string> const& CsvFile::names() const { return state_->names; }
 
-Columns CsvFile::read(std::vector<std::string> const& requested) {
+Columns CsvFile::read(std::vector<std::string> const& requested, std::string const& time) {
     State& s = *state_;
     expects(!requested.empty(), "the name of a column at least");
     expects(!s.finished, "a file that was not read before");
     s.finished = true;
-    if (s.header) s.use_numbers_as_names(requested);
-    bool const there = s.unsplit.empty() && std::ranges::all_of(requested, [&](auto const& name) {
+    std::vector<std::string> all = requested;
+    if (!time.empty()) all.push_back(time);
+    if (s.header) s.use_numbers_as_names(all);
+    bool const there = s.unsplit.empty() && std::ranges::all_of(all, [&](auto const& name) {
                            return std::ranges::find(s.names, name) != s.names.end();
                        });
-    bool const above = !there && s.unsplit.empty() && s.names_above(requested);
-    if (!there && !above && !s.names_below(requested) && !s.unsplit.empty()) throw InputError(s.unsplit);
+    bool const above = !there && s.unsplit.empty() && s.names_above(all);
+    if (!there && !above && !s.names_below(all) && !s.unsplit.empty()) throw InputError(s.unsplit);
     std::vector<std::size_t> columns;
     std::string const names_at = fmt::format("{}:{}", s.lines.name(), above ? s.above_line : s.first);
     for (auto const& name : requested)
         columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
+    std::optional<std::size_t> times = time.empty() ? s.column_of_times(columns) : std::nullopt;
+    if (!time.empty()) times = column_called(time, s.names, s.header, s.lines.name(), names_at);
     Columns data{.file = s.lines.name(), .header = s.header, .names = requested};
     data.values.resize(requested.size());
     long const most_rows = s.most / long(requested.size() + 1);  // one more for the line on which each row begins
@@ -356,10 +369,15 @@ Columns CsvFile::read(std::vector<std::string> const& requested) {
         for (long const blank : std::exchange(s.blank_lines, {})) {
             if (data.lines.empty()) continue;
             for (auto& column : data.values) column.push_back(std::numeric_limits<double>::quiet_NaN());
+            if (times) data.times.push_back(std::numeric_limits<double>::quiet_NaN());
             data.lines.push_back(blank);
         }
         if (data.rows() >= most_rows) s.fail(s.line, fmt::format("expected at most {} rows", most_rows));
         for (std::size_t i = 0; i < columns.size(); ++i) data.values[i].push_back(s.number_in(columns[i]));
+        if (auto const at = times ? time_in(s.row[*times]) : std::nullopt) data.times.push_back(*at);
+        else if (times && !time.empty())
+            s.fail(s.line, *times, fmt::format("expected a time, found {}", in_quotes(s.row[*times])));
+        else times.reset(), data.times.clear();
         s.marks.row(s.row, s.line);
         data.lines.push_back(s.line);
     }
@@ -367,6 +385,7 @@ Columns CsvFile::read(std::vector<std::string> const& requested) {
         throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file,
                                      listed(s.names)));
     s.pass(s.marks.end(s.format.separator));
+    if (times) data.time = s.names[*times];
     return data;
 }
 

@@ -18,6 +18,8 @@ struct Columns {
     std::vector<std::vector<double>> values = {};  ///< one per name, of rows() numbers each
     std::vector<long> lines = {};                  ///< rows(): the line of the file on which each row begins, from 1
     std::string sha256 = {};                       ///< of the whole file, as read_data leaves it; otherwise empty
+    std::string time = {};                         ///< a column of times; empty: none
+    std::vector<double> times = {};                ///< rows() of them
     Index rows() const { return Index(lines.size()); }
     /// The column of that name. Throws std::invalid_argument when it is not among names.
     std::vector<double> const& operator[](std::string const& name) const;
@@ -73,8 +75,9 @@ public:
     /// Reads the columns named in `requested` to the end of the data; other columns may contain anything. May be called
     /// once. Throws InputError for a name that does not exist or is not unique, a cell that is not a number, a row of
     /// another length, a line over 1 MiB, no rows, too many numbers; std::invalid_argument when `requested` is empty or
-    /// the file was read before.
-    Columns read(std::vector<std::string> const& requested);
+    /// the file was read before. time: the column of times (time_in), read besides. Empty: the first that is called so,
+    /// or else the first of the file, if each of its cells is a time and it is not requested.
+    Columns read(std::vector<std::string> const& requested, std::string const& time = "");
 
 private:
     struct State;

@@ -1,6 +1,7 @@
 // All three methods use the triangle R of Phi: its solutions, or its singular values.
 #include <rlslab/model/fit.hpp>
 
+#include <rlslab/input/constant.hpp>
 #include <rlslab/linalg/reflections.hpp>
 #include <rlslab/linalg/triangles.hpp>
 #include <rlslab/reference/distributions.hpp>
@@ -204,7 +205,9 @@ double fit_percent(Vector<double> const& y, Vector<double> const& predicted) {
         Units::above(std::max(Units::size_of(y), Units::size_of(predicted)));  // squares neither overflow nor vanish
     auto const at = [unit](Vector<double> const& x, Index k) { return std::scalbn(x[k], -unit); };
     double mean = 0, missed = 0, spread = 0;
-    for (Index k = 0; k < N; ++k) mean += at(y, k) / double(N);
+    bool const constant = constant_value(y).has_value();
+    for (Index k = 0; k < N && !constant; ++k) mean += at(y, k) / double(N);
+    if (constant) mean = at(y, 0);
     for (Index k = 0; k < N; ++k) {
         missed += (at(y, k) - at(predicted, k)) * (at(y, k) - at(predicted, k));
         spread += (at(y, k) - mean) * (at(y, k) - mean);

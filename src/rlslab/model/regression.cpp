@@ -22,10 +22,10 @@ void expect_rows(std::string const& file, Index size, Index rows) {
 }
 
 /// The rows from `first` on of y = psi'theta. write(k, psi) writes the regressor of row k, with NaN for a missing
-/// value.
+/// value. used_rows: unless null, the k of each row is appended to it.
 template <class Write>
 Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first,
-                  Write const& write) {
+                  std::vector<Index>* used_rows, Write const& write) {
     Index const size = Index(names.size()), rows = Index(y.size());
     expect_rows(file, size, rows);
     Index const most = std::max(Index(0), rows - first);
@@ -34,7 +34,9 @@ Records collected(std::string const& file, std::span<double const> y, std::vecto
     for (Index k = first; k < rows; ++k) {
         write(k, std::span(records.psi.col(used).data(), std::size_t(size)));
         records.y[used] = y[std::size_t(k)];
-        if (!records.psi.col(used).hasNaN() && !std::isnan(records.y[used])) ++used;
+        if (records.psi.col(used).hasNaN() || std::isnan(records.y[used])) continue;
+        if (used_rows) used_rows->push_back(k);
+        ++used;
     }
     records.skipped = most - used;
     records.presample = rows - most;
@@ -73,7 +75,7 @@ Records linear_records(Columns const& data, std::vector<std::string> const& regr
 }
 
 Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output,
-                       bool intercept) {
+                       bool intercept, std::vector<Index>* used) {
     expects(!regressors.empty(), "at least one regressor");
     struct Source {
         double const* column;
@@ -91,14 +93,14 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
         sources.push_back({data[r.column].data(), r.lag});
         first = std::max(first, Index(r.lag));
     }
-    return collected(data.file, data[output], std::move(names), first, [&](Index k, std::span<double> psi) {
+    return collected(data.file, data[output], std::move(names), first, used, [&](Index k, std::span<double> psi) {
         psi[0] = 1;
         std::ranges::transform(sources, psi.begin() + intercept, [k](Source const& s) { return s.column[k - s.lag]; });
     });
 }
 
 Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names,
-                    std::span<double const> y, Arx const& model, std::string const& file) {
+                    std::span<double const> y, Arx const& model, std::string const& file, std::vector<Index>* used) {
     expects(Index(inputs.size()) == model.inputs && inputs.size() == input_names.size(),
             "as many inputs, and names of them, as the model has");
     for (auto const& u : inputs) expects(u.size() == y.size(), "input and output of equal length");
@@ -112,7 +114,7 @@ Records arx_records(std::vector<std::span<double const>> const& inputs, std::vec
         for (int i = 0; i <= model.nb; ++i)
             names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
     if (model.intercept) names.push_back("c");
-    return collected(file, y, std::move(names), model.presample(), [&](Index k, std::span<double> psi) {
+    return collected(file, y, std::move(names), model.presample(), used, [&](Index k, std::span<double> psi) {
         auto next = psi.begin();
         for (Index i = 1; i <= model.na; ++i) *next++ = -y[std::size_t(k - i)];
         for (auto const& u : inputs)

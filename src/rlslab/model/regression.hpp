@@ -36,10 +36,11 @@ Records linear_records(Columns const& data, std::vector<std::string> const& regr
 
 /// The same with present and past values u[k-lag], y[k-lag]: a past output with its own sign, not with that of Arx. The
 /// first row is that at which the longest lag has a value. Names are "y[k-1]", "u[k-3]"; a plain regressor has its
-/// column's name. Throws InputError for fewer than d usable rows; std::invalid_argument for no regressor, a negative
-/// lag, the output without a lag, a column that was not read.
+/// column's name. used: unless null, the row of the data, from 0, of each row is appended to it. Throws InputError for
+/// fewer than d usable rows; std::invalid_argument for no regressor, a negative lag, the output without a lag, a column
+/// that was not read.
 Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output,
-                       bool intercept = false);
+                       bool intercept = false, std::vector<Index>* used = nullptr);
 
 /// One row of the model's equation for each k at which u and y (equally long; NaN: missing) have all values that it
 /// needs. psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and for fewer than d usable
@@ -47,9 +48,11 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
 Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model,
                     std::string const& file = "");
 
-/// The same for several inputs, each with a name; the parameters of input "u2" are then named "b0[u2]" ...
+/// The same for several inputs, each with a name; the parameters of input "u2" are then named "b0[u2]" ... `used` as in
+/// lagged_records.
 Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names,
-                    std::span<double const> y, Arx const& model, std::string const& file = "");
+                    std::span<double const> y, Arx const& model, std::string const& file = "",
+                    std::vector<Index>* used = nullptr);
 
 /// The same for two columns of a file. Throws InputError also if input and output are the same column.
 Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model);

@@ -13,7 +13,7 @@
 namespace rlslab {
 namespace {
 
-Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string> const& requested) {
+Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string> requested, std::string const& time) {
     std::string const name = name_of_file(file.path);
     std::string begin = detail::peek(bytes, mat_begin);
     bool const compressed = begin.starts_with(gzip_begins);
@@ -21,9 +21,11 @@ Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string
         bytes = unpacked(std::move(bytes), name);
         begin = detail::peek(bytes, mat_begin);
     }
-    if (!is_mat(begin)) return CsvFile(std::move(bytes), name, file.format).read(requested);
+    if (!is_mat(begin)) return CsvFile(std::move(bytes), name, file.format).read(requested, time);
     if (file.format.separator != 0 || file.format.decimal != 0)
         throw InputError(name + ": a MATLAB file has no separators and decimal marks");
+    bool const new_one = !time.empty() && std::ranges::find(requested, time) == requested.end();
+    if (new_one) requested.push_back(time);
     if (is_mat73(begin) && (compressed || file.path == "-"))
         throw InputError(name + ": a MATLAB file of version 7.3 is read from a regular file alone");
     Columns out = is_mat73(begin) ? read_mat73(file.path, requested) : read_mat5(std::move(bytes), name, requested);
@@ -31,6 +33,8 @@ Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string
         std::ranges::replace_if(
             column, [&](double x) { return csv::is_among(file.format.missing, x); },
             std::numeric_limits<double>::quiet_NaN());
+    if (!time.empty()) out.time = time, out.times = out[time];
+    if (new_one) out.names.pop_back(), out.values.pop_back();
     return out;
 }
 
@@ -42,10 +46,11 @@ ByteSource bytes_of(std::string_view text) {
     };
 }
 
-Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::string> const& requested) {
+Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::string> const& requested,
+                   std::string const& time) {
     auto const digest = std::make_shared<Sha256>();
     ByteSource const bytes = digested(std::move(source), digest);
-    Columns out = read_any(bytes, file, requested);
+    Columns out = read_any(bytes, file, requested, time);
     std::vector<char> rest(1 << 16);  // what a reader of MATLAB's variables did not need
     while (bytes(rest) > 0) {}
     out.sha256 = digest->hex();
@@ -54,8 +59,8 @@ Columns read_bytes(ByteSource source, DataFile const& file, std::vector<std::str
 
 }  // namespace
 
-Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
-    return read_bytes(file.begun ? file.begun : bytes_of_file(file.path), file, requested);
+Columns read_data(DataFile const& file, std::vector<std::string> const& requested, std::string const& time) {
+    return read_bytes(file.begun ? file.begun : bytes_of_file(file.path), file, requested, time);
 }
 
 std::vector<std::string> columns_among(std::vector<std::string> const& words, DataFile& file) {
@@ -71,8 +76,9 @@ std::vector<std::string> columns_among(std::vector<std::string> const& words, Da
     return {};
 }
 
-Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested) {
-    return read_bytes(bytes_of(text), {file}, requested);
+Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested,
+                  std::string const& time) {
+    return read_bytes(bytes_of(text), {file}, requested, time);
 }
 
 }  // namespace rlslab

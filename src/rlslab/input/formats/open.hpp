@@ -17,9 +17,11 @@ struct DataFile {
 std::vector<std::string> columns_among(std::vector<std::string> const& words, DataFile& file);
 
 /// The columns named in `requested`. The first bytes of the file decide its format, not its name. Its digest is
-/// in the answer. Throws InputError.
-Columns read_data(DataFile const& file, std::vector<std::string> const& requested);
+/// in the answer. time: the column of times (CsvFile::read), which is not looked for in MATLAB's files. Throws
+/// InputError.
+Columns read_data(DataFile const& file, std::vector<std::string> const& requested, std::string const& time = "");
 /// The same of a text in memory; `file`: its name in messages.
-Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested);
+Columns read_text(std::string_view text, std::string const& file, std::vector<std::string> const& requested,
+                  std::string const& time = "");
 
 }  // namespace rlslab

@@ -1,11 +1,11 @@
 // Each value is compared with statistics of the others, without itself.
-#include "identify/outliers.hpp"
+#include <rlslab/model/outliers.hpp>
 
 #include <rlslab/reference/distributions.hpp>
 
 #include <cmath>
 
-namespace rlslab::identify {
+namespace rlslab {
 
 std::optional<LargestResidual> outlier_in(Signal const& residuals, Index lags) {
     double J = 0, count = 0;
@@ -43,4 +43,4 @@ Spike largest_spike(Signal const& u, Index count) {
     return out;
 }
 
-}  // namespace rlslab::identify
+}  // namespace rlslab

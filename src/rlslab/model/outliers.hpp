@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace rlslab::identify {
+namespace rlslab {
 
 /// The largest |e| of the residuals, if as many normal ones contain one as large with probability 0.1 % at most; or the
 /// first residual of half its size in the `lags` rows before it. NaN: no residual.
@@ -22,4 +22,4 @@ struct Spike {
 };
 Spike largest_spike(Signal const& u, Index count);
 
-}  // namespace rlslab::identify
+}  // namespace rlslab
