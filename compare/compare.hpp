@@ -152,7 +152,7 @@ struct StartCost {
     std::string_view arithmetic;
     double digits;                       ///< of theta after the last row
     double loss;                         ///< to a start that has theta at once
-    std::optional<double> best_c2 = {};  ///< as in PriorCost; where the loss is half a digit or more
+    std::optional<double> best_c2 = {};  ///< as in PriorCost; where the loss is half a digit and a smaller one is best
 };
 
 /// The names of output and regressors, for the text and for the printed code.

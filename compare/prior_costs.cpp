@@ -65,7 +65,8 @@ std::vector<StartCost> start_costs(Records const& records, Comparison const& c) 
     for (Arithmetic const* const word : words_of(c)) {
         double const u = std::ldexp(1.0, -word->digits), digits = digits_of_error(u * given->corrected);
         out.push_back({word->name, digits, std::min(loss, digits_of_error(u * given->steady))});
-        if (!law.empty()) out.back().best_c2 = law.best(PriorForm::corrected, u).c2;
+        if (law.empty()) continue;
+        if (double const best = law.best(PriorForm::corrected, u).c2; best < c2_of(c)) out.back().best_c2 = best;
     }
     return out;
 }

@@ -202,7 +202,9 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheDrawsAndTheOrders) {
             for (size_t m = 0; m < 3; ++m) {
                 auto const measure = PerMeasure<Spread>::all()[m];
                 EXPECT_EQ((*r.spread).*measure, own.spread(m)) << what << " measure " << m;
-                if (lambda == 1) EXPECT_EQ((*r.others.spread).*measure, others.spread(m)) << what << " measure " << m;
+                if (lambda == 1) {
+                    EXPECT_EQ((*r.others.spread).*measure, others.spread(m)) << what << " measure " << m;
+                }
             }
         }
     }

