@@ -53,7 +53,8 @@ std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& 
         return fmt::format("{} {}{:.1f}{} in {}", who, first ? "is " : "", loss.digits,
                            first ? " digits below the best form" : "", loss.of);
     Result const& lost = result_of(c, r.arithmetic, loss.variant);
-    return fmt::format("{} {}", who, lost.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
+    return fmt::format("{} {}", who,
+                       lost.broken + lost.others.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
 }
 
 /// What the recommended one loses to the best of each measure, where it does, then the runner-up and `conventional`; or
@@ -63,6 +64,16 @@ std::string losses_text(Comparison const& c, Recommendation const& r) {
     for (size_t i = 0; i < r.losses.size(); ++i)
         if (i > 0 || r.losses[i].digits > 0) out.push_back(loss_text(c, r, r.losses[i], i == 1, out.empty()));
     return fmt::format("{}", fmt::join(out, "; "));
+}
+
+/// What is within half a digit for less, and why `information`; or "".
+std::string beside_text(Comparison const& c, Recommendation const& r) {
+    if (r.exact_rows > 0)
+        return fmt::format("its sums of products are exact up to {} rows of such numbers", r.exact_rows);
+    if (r.cheapest.empty()) return "";
+    Result const& x = result_of(c, r.arithmetic, r.cheapest);
+    return fmt::format("within half a digit for less: {}, {:.1f} digits, {} operations", r.cheapest,
+                       x.spread->theta.median, *x.operations);
 }
 
 }  // namespace
@@ -95,7 +106,8 @@ std::string verdict(Comparison const& c, size_t width) {
             spread.worst.median, spread.covariance.median,
             c.options.composition.empty() ? fmt::format("; {} operations", *best.operations) : "",
             best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
-        std::string const lost = losses_text(c, r);
+        std::string lost = losses_text(c, r);
+        if (std::string const more = beside_text(c, r); !more.empty()) lost = more + (lost.empty() ? "" : "; ") + lost;
         out += wrapped(keeps + (lost.empty() ? "" : ";"), 0, indent, width) + '\n';
         if (!lost.empty()) out += std::string(indent, ' ') + wrapped(lost, indent, indent, width) + '\n';
     }

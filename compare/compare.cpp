@@ -4,6 +4,8 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include "compare/composed_score.hpp"
+#include "compare/draws.hpp"
+#include "compare/exact_sums.hpp"
 #include "compare/fast_score.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
@@ -243,6 +245,8 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
 /// The problem in each way of rounding, and what a composition is compared with there.
 struct Prepared {
     std::map<std::string_view, RoundedProblem> rounded;
+    std::map<std::string_view, std::vector<RoundedProblem>> draws = {};  ///< from draw 1 on
+    std::map<std::string_view, int> digits = {};                         ///< to which exact solutions are certified
     std::map<std::string_view, CompositionReference> references;
     std::vector<RoundingEffect> effects;  ///< where the arithmetic is shorter than binary64
 };
@@ -260,6 +264,7 @@ Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& reco
         bool const wide = name == "double";
         std::function<double(double)> const round = wide ? as_is : a->round;
         int const digits = wide ? std::max(30, int(most_digits) + 15) : 30;
+        out.digits[name] = digits;
         RoundedProblem const& one = out.rounded[name] =
             rounded_problem(records, given.problem, round, orders, digits, one_more);
         out.references.try_emplace(name, as_stored(composition, round), one, digits);
@@ -268,32 +273,121 @@ Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& reco
     return out;
 }
 
-std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared,
-                              CompareOptions const& options, StagedProgress const& progress) {
-    std::vector<Result> out(entries.size());
-    std::vector<size_t> order(entries.size());
-    for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;  // the slow arithmetics first
+/// Calls work(i) for each of these, on as many threads as the options say; the last ones, slow arithmetics, first.
+/// Their progress goes from one part of the whole to another.
+void for_each_entry(std::vector<size_t> const& which, CompareOptions const& options, StagedProgress const& progress,
+                    double from, double to, std::function<void(size_t)> const& work) {
+    std::vector<size_t> const order(which.rbegin(), which.rend());
     std::mutex one_at_a_time;
     size_t done = 0;
     tbb::task_arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic).execute([&] {
         tbb::parallel_for_each(order.begin(), order.end(), [&](size_t i) {
-            std::string_view const name = rounding_of(*entries[i]->arithmetic);
-            out[i] = options.composition.empty()
-                         ? score(*entries[i], prepared.rounded.at(name), options.seed)
-                         : score_composed(*entries[i], prepared.rounded.at(name), prepared.references.at(name));
+            work(i);
             std::lock_guard const lock(one_at_a_time);
-            if (progress) progress("comparing", double(++done) / double(entries.size()));
+            if (progress && ++done < order.size())
+                progress("comparing", from + (to - from) * double(done) / double(order.size()));
         });
     });
+}
+
+/// The results of all entries, and their runs, to which draws are added.
+struct Scores {
+    std::vector<Result> results;
+    std::vector<Runs> runs;
+};
+
+/// Operations a row, which do not depend on the record.
+void count_operations(std::vector<Result>& results, Index size) {
+    for (Result& r : results)
+        if (auto const counted = r.obstacle.empty() ? cost(r.entry->variant, size) : std::nullopt)
+            r.operations = counted->total();
+}
+
+Scores score_once(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared, CompareOptions const& options,
+                  StagedProgress const& progress, double to) {
+    Scores out{std::vector<Result>(entries.size()), std::vector<Runs>(entries.size())};
+    std::vector<size_t> all(entries.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] = i;
+    for_each_entry(all, options, progress, 0, to, [&](size_t i) {
+        std::string_view const name = rounding_of(*entries[i]->arithmetic);
+        RoundedProblem const& rounded = prepared.rounded.at(name);
+        if (!options.composition.empty()) {
+            out.results[i] = score_composed(*entries[i], rounded, prepared.references.at(name));
+            return;
+        }
+        out.runs[i] = runs_of(*entries[i], rounded, options.seed);
+        out.results[i] = result_of(*entries[i], rounded, out.runs[i]);
+    });
+    count_operations(out.results, prepared.rounded.begin()->second.records.parameters());
     return out;
 }
 
-/// Operations and nanoseconds of each. Called when no other thread of this program runs.
+/// The next draws of what may be named in these arithmetics.
+void draw_more(std::vector<CatalogueEntry const*> const& entries, std::vector<Arithmetic const*> const& in,
+               size_t first, size_t last, Prepared& prepared, Records const& records, Solved const& given,
+               Comparison const& c, Scores& scores, StagedProgress const& progress, double from) {
+    for (Arithmetic const* const a : in) {
+        std::string_view const name = rounding_of(*a);
+        std::vector<RoundedProblem>& known = prepared.draws[name];
+        for (size_t i = known.size() + 1; i < last && !a->stochastic; ++i)
+            known.push_back(rounded_problem(drawn(records, i), given.problem,
+                                            name == "double" ? std::function<double(double)>(as_is) : a->round, {{}},
+                                            prepared.digits.at(name)));
+    }
+    std::vector<size_t> which;
+    for (Arithmetic const* const a : in) {
+        std::vector<Result const*> sound;
+        for (Result const& r : scores.results)
+            if (r.entry->arithmetic == a && takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
+        for (size_t i = 0; i < entries.size(); ++i)
+            if (entries[i]->arithmetic == a && is_contender(scores.results[i], sound)) which.push_back(i);
+    }
+    for_each_entry(which, c.options, progress, from, (1 + from) / 2, [&](size_t i) {
+        Arithmetic const& a = *entries[i]->arithmetic;
+        std::string_view const name = rounding_of(a);
+        RoundedProblem const& base = prepared.rounded.at(name);
+        bool const exact = std::ranges::find(c.exact, a.name, &ExactSums::arithmetic) != c.exact.end();
+        for (size_t k = first; k < last; ++k) {
+            RoundedProblem const& drawn_problem = a.stochastic ? base : prepared.draws.at(name)[k - 1];
+            if (exact && !exact_rows(drawn_problem.records, drawn_problem.problem, a)) continue;
+            scores.runs[i].own.push_back(
+                run_of(*entries[i], drawn_problem, 0, seed_of_run(c.options.seed, base.orders.size() + k)));
+        }
+        std::optional<long> const operations = scores.results[i].operations;
+        scores.results[i] = result_of(*entries[i], base, scores.runs[i]);
+        scores.results[i].operations = operations;
+    });
+}
+
+/// Draws until each arithmetic is settled.
+void draw(std::vector<CatalogueEntry const*> const& entries, std::vector<Arithmetic const*> in, Prepared& prepared,
+          Records const& records, Solved const& given, Comparison& c, Scores& scores, StagedProgress const& progress) {
+    std::map<std::string_view, std::string> before;
+    double from = 0.5;
+    size_t const most = most_draws(records.rows(), c.options);
+    for (size_t drawn = 1; drawn < most && !in.empty();) {
+        size_t const last = std::min(most, drawn == 1 ? draws_at_a_time : drawn + draws_at_a_time);
+        draw_more(entries, in, drawn, last, prepared, records, given, c, scores, progress, from);
+        drawn = last, from = (1 + from) / 2;
+        c.results = scores.results;
+        std::erase_if(in, [&](Arithmetic const* a) {
+            std::vector<Result const*> results;
+            std::vector<Runs const*> runs;
+            for (size_t i = 0; i < entries.size(); ++i)
+                if (entries[i]->arithmetic == a) results.push_back(&scores.results[i]), runs.push_back(&scores.runs[i]);
+            std::string const named = recommend(*a, c).variant;
+            bool const enough = settled(results, runs, c.checkpoints, named, before[a->name]);
+            before[a->name] = named;
+            return enough;
+        });
+    }
+}
+
+/// Nanoseconds of each. Called when no other thread of this program runs.
 void time_all(std::vector<Result>& results, Prepared const& prepared, Records const& records,
               CompareOptions const& options) {
     for (Result& r : results) {
         if (!r.obstacle.empty()) continue;
-        if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
         if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
             r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records,
                                             Seed{options.seed});
@@ -333,7 +427,15 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     Comparison out = described(records, options, given);
     Prepared prepared = prepare(used, records, out.options.composition, given, orders, one_more);
     out.rounding = prepared.effects;
-    out.results = score_all(entries, prepared, options, progress);
+    for (Arithmetic const* const a : used)
+        if (RoundedProblem const& one = prepared.rounded.at(rounding_of(*a));
+            options.composition.empty() && one.in_range)
+            if (auto const rows = exact_rows(one.records, one.problem, *a)) out.exact.push_back({a->name, *rows});
+    bool const draws = most_draws(records.rows(), options) > 1;
+    Scores scores = score_once(entries, prepared, options, progress, draws ? 0.5 : 1);
+    if (draws) draw(entries, used, prepared, records, given, out, scores, progress);
+    if (progress) progress("comparing", 1);
+    out.results = std::move(scores.results);
     time_all(out.results, prepared, records, options);
     out.recommendations = recommend_all(used, out);
     if (options.composition.empty()) out.fast = fast_forms(used, records, given, out.checkpoints);

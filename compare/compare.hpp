@@ -32,6 +32,7 @@ struct CompareOptions {
     std::optional<double> digits = {};  ///< that the recommended variant keeps of theta's worst component; absent: 3
     Composition composition = {};  ///< around each variant; only in float and double, and in the record's order of rows
     std::uint64_t seed = 1;        ///< of stochastic rounding, and of the orders of rows
+    int draws = 0;                 ///< of the roundings, at most; 0: as many as it takes (draws.hpp)
     int threads = 0;               ///< 0: all cores; the results do not depend on it
     bool timings = true;           ///< false: ns_per_update is left out
 };
@@ -48,9 +49,8 @@ struct PerMeasure {
 /// absent where there is no finite answer.
 using Digits = PerMeasure<std::optional<double>>;
 
-/// The spread of digits over the checkpoints, the orders of rows and the draws: nine tenths of them are at least `low`,
-/// a half at least `median`, a tenth at least `high`. Rounded to a tenth of a digit, as printed; -infinity: there was
-/// no finite answer.
+/// The spread of digits over the checkpoints of some runs: nine tenths of them are at least `low`, a half at least
+/// `median`, a tenth at least `high`. Rounded to a tenth of a digit, as printed; -infinity: there was no finite answer.
 struct Spread {
     double low, median, high;
     friend bool operator==(Spread const&, Spread const&) = default;
@@ -62,18 +62,25 @@ struct Breakdown {
     Health kind;  ///< indefinite or nonfinite
 };
 
-/// One row of the table.
+/// What a variant keeps in other orders of the rows than the record's.
+struct OtherOrders {
+    int runs = 0, broken = 0;  ///< orders tried, and in how many the variant broke down
+    std::optional<PerMeasure<Spread>> spread = {};
+};
+
+/// One row of the table: in the record's own order, unless it says otherwise.
 struct Result {
     CatalogueEntry const* entry;
-    Digits last = {};                               ///< at the last row, in the record's order
+    Digits last = {};                               ///< at the last row
     std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
-    int runs = 0, broken = 0;  ///< orders of rows (or draws) tried, and in how many the variant broke down
-    std::optional<Breakdown> breakdown = {};   ///< in the record's order
+    int runs = 0, broken = 0;  ///< draws of the roundings (draws.hpp), and in how many the variant broke down
+    OtherOrders others = {};   ///< where lambda = 1
+    std::optional<Breakdown> breakdown = {};   ///< in the first run
     std::optional<double> foretold = {};       ///< row at about which P will be indefinite (foretold.hpp)
     bool factor = false;                       ///< propagates a factor, which no rounding makes indefinite
-    std::vector<Digits> path = {};             ///< at each of the comparison's checkpoints, in the record's order
+    std::vector<Digits> path = {};             ///< at each of the comparison's checkpoints, in the first run
     double worst_low = -INFINITY;              ///< spread->worst.low before it is rounded
-    std::vector<Vector<Reference>> ends = {};  ///< theta after the last row of each run
+    std::vector<Vector<Reference>> ends = {};  ///< theta after the last row of each run, other orders included
     std::optional<double> asymmetry = {};      ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
     std::optional<long> operations = {};       ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
@@ -121,6 +128,14 @@ struct Recommendation {
     std::string why;
     bool too_short = false;         ///< none, and a longer arithmetic may have one
     std::vector<Loss> losses = {};  ///< of this variant, the runner-up, and `conventional`: each that was tried, once
+    std::string cheapest = {};      ///< of the forms within half a digit that propagate a factor, if it costs less
+    Index exact_rows = 0;  ///< `information` is named because its sums are exact, up to so many rows (exact_sums.hpp)
+};
+
+/// Where the products and sums of the normal equations are exact in an arithmetic (exact_sums.hpp).
+struct ExactSums {
+    std::string_view arithmetic;
+    Index rows;  ///< up to which they are, for numbers no larger than the record's
 };
 
 /// What the prior costs a form that stores P, in theta against least squares; predicted (docs/theory.md 106).
@@ -130,6 +145,15 @@ struct PriorCost {
     double best_c2;    ///< with which it is predicted to be nearest to least squares: P0 = c^2 I, or diag(c^2 / s_i^2)
     double digits;     ///< predicted with that one
     double loss;       ///< of these digits, by the prior that was given; at most all
+};
+
+/// What the start costs the forms that correct theta row by row, with the prior of the comparison; predicted
+/// (docs/theory.md 105): they keep the roundings of a theta_k that is large while the rows excite little.
+struct StartCost {
+    std::string_view arithmetic;
+    double digits;                       ///< of theta after the last row
+    double loss;                         ///< to a start that has theta at once
+    std::optional<double> best_c2 = {};  ///< as in PriorCost; where the loss is half a digit and a smaller one is best
 };
 
 /// The names of output and regressors, for the text and for the printed code.
@@ -161,7 +185,9 @@ struct Comparison {
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
     std::optional<CertifiedSolution> without_prior = {};  ///< of all rows, as stored in double
+    std::vector<ExactSums> exact = {};                    ///< the arithmetics in which sums are exact
     std::vector<PriorCost> prior_costs = {};              ///< where somebody computed them: prior_costs.hpp
+    std::vector<StartCost> start_costs = {};              ///< likewise
     std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
     std::shared_ptr<struct DigitsAnswer const> digits =
         {};  ///< with options.digits: what keeps them; it then is the answer that is shown

@@ -147,7 +147,9 @@ Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded
         return {at_most(exact.theta_digits(theta), own), at_most(exact.theta_digits_worst(theta), own),
                 at_most(exact.covariance_digits(filter->stored()), own)};
     };
-    Result out = result_of(entry, rounded, {run(*filter, arithmetic, 1, rounded, {}, against_reference)});
+    Runs runs;
+    runs.own.push_back(run(*filter, arithmetic, 1, rounded, {}, against_reference));
+    Result out = result_of(entry, rounded, runs);
     out.foretold.reset();  // what is around the form looks at its P, and changes it
     out.happened = std::move(happened);
     out.certified_to = certified_to;

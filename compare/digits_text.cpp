@@ -109,19 +109,19 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
         return out + bold("nothing tried keeps them", colour) +
                "; what may: a longer arithmetic (--arithmetic), less dependent regressors\n";
     KeptDigits const& k = *a.choice();
+    size_t const runs = k.result->ends.size();
     out += fmt::format("{}\n", bold(fmt::format("use {} in {}", k.result->entry->variant, t->arithmetic), colour));
     out +=
         line("keeps",
              fmt::format(
                  "{} digits of the worst parameter after the last row{}, against least squares for the data as given",
-                 digits_text(k.at_end), k.result->runs > 1 ? fmt::format(" in each of {} runs", k.result->runs) : ""));
+                 digits_text(k.at_end), runs > 1 ? fmt::format(" in each of {} runs", runs) : ""));
     out += line(
         "along",
         fmt::format(
             "{} digits at nine tenths of the checkpoints, against the solution there with this prior; never broke down",
             digits_text(k.along)));
-    if (k.result->runs > 1)
-        out += line("runs", "each with the rows in another order, or with other draws of the rounding");
+    if (runs > 1) out += line("runs", "each with other draws of the rounding, or with the rows in another order");
     out += line("costs", fmt::format("{} operations a row", *k.result->operations));
     out += line("prior", fmt::format("theta 0, P0 = diag({})", fmt::join(diagonal(*t), ", ")));
     out += line("scaling", scaling_text(*t));

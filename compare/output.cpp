@@ -1,5 +1,5 @@
 // A comparison as a table for people, as JSON and CSV for programs.
-// Longer than 400 lines: three writings of the same numbers.
+// Long: three writings of the same numbers.
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"
@@ -65,6 +65,13 @@ Json prior_costs_json(Comparison const& c) {
                        {"best_c2", short_json(cost.best_c2)},
                        {"digits", digits_json(cost.digits)},
                        {"loss", digits_json(cost.loss)}});
+    return out;
+}
+constexpr char const* measured[] = {"theta", "worst", "covariance"};
+Json spreads_json(std::optional<PerMeasure<Spread>> const& of) {
+    Json out;
+    for (size_t m = 0; m < 3; ++m)
+        out[measured[m]] = of ? spread_json((*of).*PerMeasure<Spread>::all()[m]) : Json(nullptr);
     return out;
 }
 Json losses_json(Recommendation const& r) {
@@ -208,7 +215,15 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
         if (!what.empty())
             what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width)
                                                                           : "  " + what;
-        out += paint(best ? "32" : r.broken ? "31" : "0", line + what) + '\n';
+        out += paint(best ? "32" : r.broken + r.others.broken ? "31" : "0", line + what) + '\n';
+        if (&r != &c.results.back() && (&r + 1)->entry->arithmetic == &a) continue;
+        std::vector<std::string> const others = other_orders_text(c, a.name);
+        for (size_t i = 0; i < others.size(); ++i)
+            out += paint(i == 0                       ? "1"
+                         : others[i].starts_with('*') ? "32"
+                                                      : "0",
+                         wrapped(others[i], 0, 4, width)) +
+                   '\n';
     }
     auto const note = [&](std::string const& text) { out += wrapped(text, 0, 0, width) + '\n'; };
     out += fast_text(c, paint);
@@ -221,7 +236,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     note(fmt::format(
         "low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along "
         "the record{}; {}",
-        plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
+        plain ? ", over four draws of the roundings or more" : "",
         plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
               : "for the data as stored, at most the arithmetic's own. A row ends with what "
                 "the composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
@@ -239,10 +254,11 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
             "The table is for the prior in the head and the columns as they are. The answer (*) has a prior and a "
             "scaling of its own.");
     note(
-        fmt::format("The recommendation never broke down and keeps {} digits of the worst component at nine tenths of "
-                    "the checkpoints. Of such, its largest loss is the least: in mid, to the best of each column that "
-                    "never broke down. Of equals: a factor before P or its inverse, covariance before information, "
-                    "then the fewest operations.",
+        fmt::format("The recommendation is for the record's order. It never broke down and keeps {} digits of the "
+                    "worst component at nine tenths of the checkpoints. Of such whose low is within half a digit of "
+                    "all others', its largest loss is the least: in mid, to the best of each column that never broke "
+                    "down. Of equals: a factor before P or its inverse, covariance before information, then the fewest "
+                    "operations.",
                     wanted_digits(c.options)));
     return out;
 }
@@ -311,6 +327,15 @@ std::string as_json(Comparison const& c) {
                         {"prior_bias", short_json(c.prior_bias)},
                         {"component_bias", short_json(c.component_bias)}};
     out["prior_costs"] = prior_costs_json(c);
+    out["start_costs"] = Json::array();
+    for (StartCost const& cost : c.start_costs)
+        out["start_costs"].push_back({{"arithmetic", cost.arithmetic},
+                                      {"digits", digits_json(cost.digits)},
+                                      {"loss", digits_json(cost.loss)},
+                                      {"best_c2", cost.best_c2 ? short_json(*cost.best_c2) : Json(nullptr)}});
+    out["exact_sums"] = Json::array();
+    for (ExactSums const& exact : c.exact)
+        out["exact_sums"].push_back({{"arithmetic", exact.arithmetic}, {"rows", exact.rows}});
     if (!c.options.composition.empty()) out["composition"] = composition_json(c);
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
@@ -325,12 +350,10 @@ std::string as_json(Comparison const& c) {
                                   {"component_bias", short_json(s.component_bias)}});
     out["results"] = Json::array();
     for (Result const& r : c.results) {
-        Json spread, path;
+        Json path;
         for (size_t m = 0; m < 3; ++m) {
-            static constexpr char const* names[] = {"theta", "worst", "covariance"};
-            spread[names[m]] = r.spread ? spread_json((*r.spread).*PerMeasure<Spread>::all()[m]) : Json(nullptr);
-            path[names[m]] = Json::array();
-            for (Digits const& digits : r.path) path[names[m]].push_back(digits_json(digits.*Digits::all()[m]));
+            path[measured[m]] = Json::array();
+            for (Digits const& digits : r.path) path[measured[m]].push_back(digits_json(digits.*Digits::all()[m]));
         }
         out["results"].push_back(
             {{"variant", r.entry->variant},
@@ -338,10 +361,14 @@ std::string as_json(Comparison const& c) {
              {"theta_digits", digits_json(r.last.theta)},
              {"theta_digits_worst", digits_json(r.last.worst)},
              {"covariance_digits", digits_json(r.last.covariance)},
-             {"spread", spread},
+             {"spread", spreads_json(r.spread)},
              {"path", path},
              {"runs", r.runs},
              {"broken", r.broken},
+             {"other_orders", r.others.runs > 0 ? Json{{"runs", r.others.runs},
+                                                       {"broken", r.others.broken},
+                                                       {"spread", spreads_json(r.others.spread)}}
+                                                : Json(nullptr)},
              {"breakdown",
               r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
              {"foretold", r.foretold
@@ -362,6 +389,8 @@ std::string as_json(Comparison const& c) {
         out["recommendation"].push_back({{"arithmetic", r.arithmetic},
                                          {"variant", r.variant.empty() ? Json(nullptr) : Json(r.variant)},
                                          {"why", r.why},
+                                         {"cheapest", r.cheapest.empty() ? Json(nullptr) : Json(r.cheapest)},
+                                         {"exact_rows", r.exact_rows > 0 ? Json(r.exact_rows) : Json(nullptr)},
                                          {"too_short", r.too_short},
                                          {"losses", losses_json(r)}});
     for (FastResult const& r : c.fast)
@@ -382,8 +411,11 @@ std::string as_csv(Comparison const& c) {
     out +=
         "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
         "foretold_step,asymmetry,operations,ns_per_update,runs,broken";
-    for (char const* of : {"theta", "worst", "covariance"})
+    for (char const* of : measured)
         for (char const* point : {"low", "median", "high"}) out += fmt::format(",{}_{}", of, point);
+    out += ",other_orders,other_broken";
+    for (char const* of : measured)
+        for (char const* point : {"low", "median", "high"}) out += fmt::format(",other_{}_{}", of, point);
     bool const plain = c.options.composition.empty();
     if (!plain) {
         out += ",obstacle,certified_to";
@@ -400,11 +432,15 @@ std::string as_csv(Comparison const& c) {
             r.foretold ? fmt::format("{:.0f}", rounded_row(*r.foretold)) : "",
             r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
             r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
-        for (auto const m : PerMeasure<Spread>::all())
-            out += r.spread ? fmt::format(",{},{},{}", cell(tenths_json(((*r.spread).*m).low)),
-                                          cell(tenths_json(((*r.spread).*m).median)),
-                                          cell(tenths_json(((*r.spread).*m).high)))
-                            : ",,,";
+        auto const spreads = [&](std::optional<PerMeasure<Spread>> const& of) {
+            for (auto const m : PerMeasure<Spread>::all())
+                out += of ? fmt::format(",{},{},{}", cell(tenths_json(((*of).*m).low)),
+                                        cell(tenths_json(((*of).*m).median)), cell(tenths_json(((*of).*m).high)))
+                          : ",,,";
+        };
+        spreads(r.spread);
+        out += fmt::format(",{},{}", r.others.runs, r.others.broken);
+        spreads(r.others.spread);
         if (!plain) {
             CompositionCounts const last = r.happened.empty() ? CompositionCounts{} : r.happened.back();
             out += fmt::format(",{},{}", r.obstacle.empty() ? "" : fmt::format("\"{}\"", r.obstacle), r.certified_to);

@@ -254,6 +254,9 @@ std::string tables(Comparison const& c) {
         if (c.options.timings) head.emplace_back("ns");
         if (!c.options.composition.empty()) head.emplace_back("what the composition did");
         out += table_html(head, rows, best);
+        if (std::vector<std::string> const others = other_orders_text(c, a.name); !others.empty())
+            out += fmt::format("<h4>{}</h4>\n", escaped(others.front())) +
+                   pre(fmt::format("{}\n", fmt::join(others.begin() + 1, others.end(), "\n")));
     });
     return out;
 }
@@ -304,7 +307,7 @@ std::string as_page(Comparison const& c) {
         "</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the "
         "spread over the checkpoints{}: nine tenths of the digits counted are at least as many as the low end, one "
         "tenth as the high end.</p>\n",
-        plain && c.options.forgetting == 1 ? " and over four orders of the rows" : "");
+        plain ? " and over the draws of the roundings" : "");
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
     body +=
         "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one "

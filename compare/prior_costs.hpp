@@ -1,4 +1,5 @@
-// What a prior costs the forms that store P, against the best one of its shape.
+// What a prior costs the forms that store P, against the best one of its shape; and what a start costs those that
+// correct theta row by row.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -14,6 +15,13 @@ inline constexpr double least_prior_loss = 0.5;
 /// max(4 d, 4e4 / d^2) rows and 14 priors: up to a second.
 /// `comparison` is what compare returned for these records.
 std::vector<PriorCost> prior_costs(Records const& records, Comparison const& comparison);
+
+/// For the same arithmetics and records, with the prior of the comparison: (5) of prior_law.hpp, and its loss to a
+/// start that has theta at once. One pass over those rows; fourteen where the loss is half a digit or more.
+std::vector<StartCost> start_costs(Records const& records, Comparison const& comparison);
+
+/// The sentence on what the start costs; "" where it is less than half a digit everywhere.
+std::string start_cost_text(Comparison const& comparison);
 
 /// The sentence on --p0; "" where it is scaled to the data, or costs less than half a digit everywhere.
 std::string prior_cost_text(Comparison const& comparison);

@@ -1,4 +1,4 @@
-// (1) to (4) of prior_law.hpp, letter by letter. P, theta, s and W have 257 bits, the squares double's.
+// (1) to (5) of prior_law.hpp, letter by letter. P, theta, s and W have 257 bits, the squares double's.
 #include "compare/prior_law.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -47,14 +47,14 @@ Vec over(Vec x, Reference const& s) {
     return x;
 }
 
-/// The sums of (3) and (4) as they grow row by row.
+/// The sums of (3), (4) and (5) as they grow row by row.
 class Recursion {
     Index d_;
     Mat P_, P_N_, W_;
     Vec theta_, theta_N_, s_;
 
 public:
-    double stored = 0, products = 0;  // in squares of 0.425 u
+    double stored = 0, products = 0, corrected = 0, steady = 0;  // in squares of 0.425 u
 
     Recursion(double c2, Mat const& P_free, Vec const& theta_free)
         : d_(theta_free.size()), P_(Mat::Zero(d_, d_)), P_N_(P_free), W_(d_, d_), theta_(Vec::Zero(d_)) {
@@ -102,6 +102,7 @@ public:
         for (Index a = 0; a < d_; ++a) {
             double const w = w2[size_t(a)], K_a = K[size_t(a)], q = q2[size_t(a)];
             double const common = w * (square(theta_[a]) + square(K_a) * e2) + p2 * square(psi[a]) * square(theta_[a]);
+            corrected += w * square(theta_[a]), steady += w * square(theta_N_[a]);
             stored += common + (w * r2 + p2 * square(s_[a])) * q;
             products += common + w * q * step2;
             for (Index b = 0; b < d_; ++b) {
@@ -117,7 +118,7 @@ public:
     /// Rows that are not looked at: theta is rounded in each.
     void rest(Index rows) {
         double const more = double(rows) * squares(theta_N_);
-        stored += more, products += more;
+        stored += more, products += more, corrected += more, steady += more;
     }
 };
 
@@ -134,8 +135,13 @@ PriorPoint PriorLaw::at(double c2) const {
     while (i + 1 < points.size() && points[i].c2 < c2) ++i;
     PriorPoint const &a = points[i - 1], &b = points[i];
     double const x = correctly::log10(c2), x0 = correctly::log10(a.c2), x1 = correctly::log10(b.c2);
-    return {c2, std::min(1.0, between(x, x0, x1, a.bias, b.bias)), between(x, x0, x1, a.stored, b.stored),
-            between(x, x0, x1, a.products, b.products)};
+    auto const on_the_line = [&](double PriorPoint::*of) { return between(x, x0, x1, a.*of, b.*of); };
+    return {c2,
+            std::min(1.0, on_the_line(&PriorPoint::bias)),
+            on_the_line(&PriorPoint::stored),
+            on_the_line(&PriorPoint::products),
+            on_the_line(&PriorPoint::corrected),
+            on_the_line(&PriorPoint::steady)};
 }
 
 PriorPoint PriorLaw::best(PriorForm form, double u) const {
@@ -145,38 +151,71 @@ PriorPoint PriorLaw::best(PriorForm form, double u) const {
     return out;
 }
 
-PriorLaw prior_law(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& units) {
-    PriorLaw out;
-    Index const d = records.parameters(), N = records.rows();
-    if (least_squares.status() != Status::certified || d > most_parameters) return out;
-    Mat P = least_squares.covariance();
-    Vec theta = least_squares.theta();
-    Matrix<double> psi = records.psi;
-    for (Index i = 0; i < units.size(); ++i) {
-        theta[i] *= units[i], P.row(i) *= Reference(units[i]), P.col(i) *= Reference(units[i]);
-        psi.row(i) /= units[i];
+namespace {
+
+/// The records in these units, where there is a law for them.
+class Units {
+    Mat P_;
+    Vec theta_;
+    Matrix<double> psi_;
+    Vector<double> const& y_;
+    double length_ = 0;
+
+public:
+    double trace = 0;
+
+    Units(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& units) : y_(records.y) {
+        Index const d = records.parameters();
+        if (least_squares.status() != Status::certified || d > most_parameters) return;
+        P_ = least_squares.covariance(), theta_ = least_squares.theta(), psi_ = records.psi;
+        for (Index i = 0; i < units.size(); ++i) {
+            theta_[i] *= units[i], P_.row(i) *= Reference(units[i]), P_.col(i) *= Reference(units[i]);
+            psi_.row(i) /= units[i];
+        }
+        length_ = std::sqrt(squares(theta_));
+        for (double const x : psi_.reshaped()) trace += square(x);
     }
-    double const length = std::sqrt(squares(theta));
-    for (Index k = 0; k < N; ++k)
-        for (Index i = 0; i < d; ++i) out.trace += square(psi(i, k));
-    if (!(length > 0) || !std::isfinite(length) || !(out.trace > 0) || !std::isfinite(out.trace)) return out;
-    Index const seen = std::min(N, std::max(4 * d, 40000 / (d * d)));
-    double const first = std::ldexp(1.0, -std::ilogb(out.trace));
-    for (int k = 0; k <= 53; k += 4) {
-        double const c2 = std::ldexp(first, k);
-        Recursion sums(c2, P, theta);
+    bool is_empty() const { return !(length_ > 0) || !std::isfinite(length_) || !(trace > 0) || !std::isfinite(trace); }
+    std::optional<PriorPoint> at(double c2) const {
+        Index const d = psi_.rows(), N = psi_.cols(), seen = std::min(N, std::max(4 * d, 40000 / (d * d)));
+        Recursion sums(c2, P_, theta_);
+        Vec row(d);
         for (Index j = 0; j < seen; ++j) {
-            Vec row(d);
-            for (Index i = 0; i < d; ++i) row[i] = psi(i, j);
-            sums.row(row, records.y[j]);
+            for (Index i = 0; i < d; ++i) row[i] = psi_(i, j);
+            sums.row(row, y_[j]);
         }
         sums.rest(N - seen);
-        PriorPoint const point{c2, sums.bias(theta) / length, of_a_rounding * std::sqrt(sums.stored) / length,
-                               of_a_rounding * std::sqrt(sums.products) / length};
-        if (!std::isfinite(point.bias + point.stored + point.products)) return {};
-        out.points.push_back(point);
+        auto const size = [&](double squares) { return of_a_rounding * std::sqrt(squares) / length_; };
+        PriorPoint const out{c2,
+                             sums.bias(theta_) / length_,
+                             size(sums.stored),
+                             size(sums.products),
+                             size(sums.corrected),
+                             size(sums.steady)};
+        if (!std::isfinite(out.bias + out.stored + out.products)) return {};
+        return out;
+    }
+};
+
+}  // namespace
+
+PriorLaw prior_law(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& units) {
+    Units const in_units(records, least_squares, units);
+    PriorLaw out{.points = {}, .trace = in_units.trace};
+    if (in_units.is_empty()) return out;
+    double const first = std::ldexp(1.0, -std::ilogb(out.trace));
+    for (int k = 0; k <= 53; k += 4) {
+        std::optional<PriorPoint> const point = in_units.at(std::ldexp(first, k));
+        if (!point) return {};
+        out.points.push_back(*point);
     }
     return out;
+}
+
+std::optional<PriorPoint> prior_point(Records const& records, CertifiedSolution const& least_squares, double c2,
+                                      Vector<double> const& units) {
+    Units const in_units(records, least_squares, units);
+    return in_units.is_empty() ? std::nullopt : in_units.at(c2);
 }
 
 }  // namespace rlslab::compare

@@ -5,23 +5,28 @@
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/certified.hpp>
 
+#include <optional>
 #include <string_view>
 
 namespace rlslab::compare {
 
 /// Forms by where their rounding grows with the prior.
 enum class PriorForm {
-    stored,   ///< P itself, updated by a difference: u c^2 while directions are unknown
-    products  ///< P itself, by Joseph's products: the same times the size of I - K psi'
+    stored,    ///< P itself, updated by a difference: u c^2 while directions are unknown
+    products,  ///< P itself, by Joseph's products: the same times the size of I - K psi'
+    corrected  ///< whatever they propagate: theta is corrected row by row, and rounded while it is far from its end
 };
 
 /// Errors of theta after the last row at P0 = c^2 I, |.| / |theta_LS|; in other units at P0 = diag((c / s_i)^2), in the
 /// norm |x|^2 = sum (s_i x_i)^2.
 struct PriorPoint {
     double c2;
-    double bias;              ///< of the minimiser with the prior against least squares: (1), exact
-    double stored, products;  ///< root mean square of rounding, in units of u: (3) and (4)
-    double of(PriorForm form) const { return form == PriorForm::stored ? stored : products; }
+    double bias;               ///< of the minimiser with the prior against least squares: (1), exact
+    double stored, products;   ///< root mean square of rounding, in units of u: (3) and (4)
+    double corrected, steady;  ///< likewise (5), and (5) with theta_N in place of theta_j
+    double of(PriorForm form) const {
+        return form == PriorForm::stored ? stored : form == PriorForm::products ? products : corrected;
+    }
     double total(PriorForm form, double u) const { return correctly::hypot(bias, u * of(form)); }
 };
 
@@ -35,6 +40,7 @@ struct PriorPoint {
 ///          + p_j^2 sum_a psi_a^2 theta_a^2 },   q_a^2 = 2 sum_b P_(j-1),ab^2 psi_b^2
 ///   (4)  with B = I - K psi': in place of the first two sums sum_a w_a^2 q_a^2 e^2 / s^2 + 2 sum_ab w_a^2 { (sum_i
 ///          B_ai^2 P_ib^2) (B's)_b^2 + (sum_i P_j,ai^2 B_bi^2) s_b^2 }
+///   (5)  of (3) alone (0.425 u)^2 sum_j sum_a w_a^2 theta_a^2: what each rounding of theta_j leaves in theta_N
 ///
 /// First order in u, each rounding independent (docs/theory.md 105).
 struct PriorLaw {
@@ -54,5 +60,8 @@ struct PriorLaw {
 /// those behind them count as roundings of theta. Empty where there is no answer: theta_LS = 0, not certified, more
 /// than 32 parameters, or squares that leave double's range.
 PriorLaw prior_law(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& s = {});
+/// The same at this c^2 alone, without lines between points; nothing where there is no law.
+std::optional<PriorPoint> prior_point(Records const& records, CertifiedSolution const& least_squares, double c2,
+                                      Vector<double> const& s = {});
 
 }  // namespace rlslab::compare

@@ -49,7 +49,7 @@ std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
 }  // namespace
 
 bool takes_single_rows(Result const& r) { return r.entry->block == 1 && r.operations; }
-bool is_sound(Result const& r) { return r.broken == 0 && r.spread; }
+bool is_sound(Result const& r) { return r.broken == 0 && r.others.broken == 0 && r.spread; }
 
 bool preferred(Result const& a, Result const& b) {
     auto const key = [](Result const& r) {
@@ -77,16 +77,50 @@ Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
     return out;
 }
 
-std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted) {
+double behind(Result const& r, std::vector<Result const*> const& sound) {
+    double out = 0;
+    for (auto const m : PerMeasure<Spread>::all())
+        for (Result const* other : sound) {
+            double const a = ((*other->spread).*m).low, b = ((*r.spread).*m).low;
+            if (a > b) out = std::max(out, a - b);
+        }
+    return out;
+}
+
+namespace {
+
+double tenths_of(double digits) { return std::round(10 * digits); }
+/// Tenths beyond half a digit.
+double too_far_behind(Result const& r, std::vector<Result const*> const& sound) {
+    return std::max(0.0, tenths_of(behind(r, sound)) - 10 * half_a_digit);
+}
+bool is_near_the_best(Result const& r, std::vector<Result const*> const& sound, double wanted) {
+    return is_usable(r, wanted) && too_far_behind(r, sound) == 0 &&
+           tenths_of(loss_of(r, sound).digits) <= 10 * half_a_digit;
+}
+
+}  // namespace
+
+std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted, bool exact_sums) {
     std::vector<Result const*> const all = sound;
     std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
     std::ranges::stable_sort(sound, {}, [&](Result const* r) {
-        return std::pair(!is_usable(*r, wanted), std::round(10 * loss_of(*r, all).digits));
+        return std::tuple(!(exact_sums && r->entry->variant == "information" && is_near_the_best(*r, all, wanted)),
+                          !is_usable(*r, wanted), too_far_behind(*r, all), tenths_of(loss_of(*r, all).digits));
     });
     return sound;
 }
 
 namespace {
+
+/// The cheapest form that propagates a factor and is within half a digit of the best, where it costs less than the one
+/// that is named.
+std::string cheapest(std::vector<Result const*> const& ranking, double wanted) {
+    Result const* out = ranking.front();
+    for (Result const* r : ranking)
+        if (r->factor && *r->operations < *out->operations && is_near_the_best(*r, ranking, wanted)) out = r;
+    return out == ranking.front() ? "" : std::string(out->entry->variant);
+}
 
 /// Of the first two, and of `conventional` where it takes part.
 std::vector<Loss> losses(std::vector<Result const*> const& ranking, Arithmetic const& arithmetic, Comparison const& c) {
@@ -126,7 +160,8 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
                                                 : "no variant can be composed so";
         return out;
     }
-    std::vector<Result const*> const ranking = ranked(sound, wanted);
+    auto const exact = std::ranges::find(c.exact, arithmetic.name, &ExactSums::arithmetic);
+    std::vector<Result const*> const ranking = ranked(sound, wanted, exact != c.exact.end());
     out.why = unanswerable(arithmetic, c);
     out.too_short = !out.why.empty() || ranking.empty() || !is_usable(*ranking.front(), wanted);
     if (!out.why.empty()) return out;
@@ -136,6 +171,8 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         out.why = fmt::format("keeps {} digits of theta, {} of its worst component, {} of P", spread_text(spread.theta),
                               spread_text(spread.worst), spread_text(spread.covariance));
         out.losses = losses(ranking, arithmetic, c);
+        out.cheapest = cheapest(ranking, wanted);
+        if (exact != c.exact.end() && out.variant == "information") out.exact_rows = exact->rows;
     } else if (arithmetic.decimal_digits() < wanted) {
         out.why = fmt::format("it has {:.1f} digits, {} are wanted", arithmetic.decimal_digits(), wanted);
     } else if (sound.empty()) {

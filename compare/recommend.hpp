@@ -7,7 +7,7 @@ namespace rlslab::compare {
 
 /// Meant for single rows: neither a variant that takes blocks of them, nor one whose operations are in another library.
 bool takes_single_rows(Result const& result);
-/// Never broke down, and has digits.
+/// Never broke down, in no order of the rows, and has digits.
 bool is_sound(Result const& result);
 
 /// Whether a comes before b among forms that are equally accurate:
@@ -26,12 +26,19 @@ bool is_usable(Result const& result, double wanted = enough_digits);
 
 /// The loss of a variant to these.
 Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
+/// By how many digits its `low` is below another's, in the measure and against the form where that is most.
+double behind(Result const& result, std::vector<Result const*> const& sound);
+/// Digits that forms may differ by and count as alike: of `low`, and of what is named beside the best.
+inline constexpr double half_a_digit = 0.5;
 
 /// Variants that never broke down, in the order in which they are recommended:
 ///   (1) a usable one before one that is not
-///   (2) the least loss first, counted in tenths of a digit, as printed
-///   (3) of equals the preferred one
-std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted = enough_digits);
+///   (2) one whose `low` is at most half a digit behind another's; of others the one that is least behind
+///   (3) the least loss first, counted in tenths of a digit, as printed
+///   (4) of equals the preferred one
+///   (5) before all that, where its sums are exact, `information`, if it is usable and within half a digit by (2), (3)
+std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted = enough_digits,
+                                  bool exact_sums = false);
 
 /// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations
 /// are in another library, are not recommended: they are not meant for single rows.

@@ -12,7 +12,7 @@
 namespace rlslab::compare {
 namespace {
 
-constexpr int least_draws = 4;
+constexpr size_t least_draws = 4;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Rows first ... last-1 of the problem in this order, one by one or as a block.
@@ -97,10 +97,12 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
     return out;
 }
 
-Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs) {
-    Run const& first = runs.front();
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, Runs const& runs) {
+    // Not in range: a zero where something positive should stand, or an infinity.
+    if (runs.own.empty()) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
+    Run const& first = runs.own.front();
     Result out{.entry = &entry,
-               .runs = int(runs.size()),
+               .runs = int(runs.own.size()),
                .breakdown = first.breakdown,
                .foretold = first.foretold,
                .factor = first.factor,
@@ -109,40 +111,56 @@ Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std
     PerMeasure<std::vector<std::optional<double>>> all;
     std::vector<Index> const checkpoints = checkpoints_of(rounded.records.rows());
     Index const from = std::min(rounded.records.rows(), 2 * rounded.records.parameters());
-    for (Run const& one : runs) {
-        out.broken += one.breakdown.has_value();
-        out.ends.push_back(one.theta);
-        for (size_t c = 0; c < one.digits.size(); ++c)
-            if (checkpoints[c] >= from)
-                for (size_t m = 0; m < 3; ++m) (all.*all.all()[m]).push_back(one.digits[c].*Digits::all()[m]);
-    }
+    auto const spread = [&](std::vector<Run> const& of, int& broken) -> std::optional<PerMeasure<Spread>> {
+        all = {};
+        for (Run const& one : of) {
+            broken += one.breakdown.has_value();
+            out.ends.push_back(one.theta);
+            for (size_t c = 0; c < one.digits.size(); ++c)
+                if (checkpoints[c] >= from)
+                    for (size_t m = 0; m < 3; ++m) (all.*all.all()[m]).push_back(one.digits[c].*Digits::all()[m]);
+        }
+        if (all.theta.empty()) return {};
+        return PerMeasure<Spread>{spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
+    };
+    out.others.runs = int(runs.others.size());
+    out.others.spread = spread(runs.others, out.others.broken);
+    out.spread = spread(runs.own, out.broken);
     if (out.path.empty()) return out;
     out.last = out.path.back();
-    out.spread = {spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
     out.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
     return out;
 }
 
-Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
-    // Not in range: a zero where something positive should stand, or an infinity.
-    if (!rounded.in_range) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
+Run run_of(CatalogueEntry const& entry, RoundedProblem const& rounded, size_t number, Seed draws) {
     Arithmetic const& arithmetic = *entry.arithmetic;
     double const most = arithmetic.decimal_digits();
-    std::vector<Run> runs;
-    Seed draws{seed};
-    for (size_t i = 0; i < std::max(rounded.orders.size(), size_t(arithmetic.stochastic ? least_draws : 1)); ++i) {
-        RowOrder const& order = rounded.orders[i % rounded.orders.size()];
-        auto const filter = entry.make(rounded.problem, i == 0 ? Seed{seed} : Seed{draws.next()});
-        std::function<Digits(size_t)> against_exact;
-        if (!order.exact.empty())
-            against_exact = [&](size_t c) {
-                CertifiedSolution const& exact = order.exact[c];
-                Vector<Reference> const theta = filter->theta();
-                return Digits{at_most(exact.theta_digits(theta), most), at_most(exact.theta_digits_worst(theta), most),
-                              at_most(exact.covariance_digits(filter->stored()), most)};
-            };
-        runs.push_back(run(*filter, arithmetic, entry.block, rounded, order.rows, against_exact));
-    }
+    RowOrder const& order = rounded.orders[number];
+    auto const filter = entry.make(rounded.problem, draws);
+    std::function<Digits(size_t)> against_exact;
+    if (!order.exact.empty())
+        against_exact = [&](size_t c) {
+            CertifiedSolution const& exact = order.exact[c];
+            Vector<Reference> const theta = filter->theta();
+            return Digits{at_most(exact.theta_digits(theta), most), at_most(exact.theta_digits_worst(theta), most),
+                          at_most(exact.covariance_digits(filter->stored()), most)};
+        };
+    return run(*filter, arithmetic, entry.block, rounded, order.rows, against_exact);
+}
+
+Seed seed_of_run(std::uint64_t seed, size_t run) { return run == 0 ? Seed{seed} : Seed{Seed{seed + run}.next()}; }
+
+Runs runs_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+    Runs out;
+    for (size_t i = 0; rounded.in_range && i < rounded.orders.size(); ++i)
+        (i == 0 ? out.own : out.others).push_back(run_of(entry, rounded, i, seed_of_run(seed, i)));
+    return out;
+}
+
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+    Runs runs = runs_of(entry, rounded, seed);
+    for (size_t i = 1; entry.arithmetic->stochastic && !runs.own.empty() && i < least_draws; ++i)
+        runs.own.push_back(run_of(entry, rounded, 0, seed_of_run(seed, rounded.orders.size() + i)));
     return result_of(entry, rounded, runs);
 }
 

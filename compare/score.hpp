@@ -1,5 +1,5 @@
-// The digits that one variant keeps in one arithmetic along the record, and how much they vary with the order of rows
-// and the draws.
+// The digits that one variant keeps in one arithmetic along the record, and how much they vary with the draws of the
+// roundings and with the order of rows.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -32,11 +32,21 @@ struct Run {
 /// may be empty.
 Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded,
         std::vector<Index> const& order, std::function<Digits(size_t)> const& digits_at);
-/// The result of these runs, the first of which is in the record's order: digits count from row 2 d on.
-Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs);
+/// The runs of one entry: in the record's order, and in others.
+struct Runs {
+    std::vector<Run> own, others;
+};
+/// The result of these runs: digits count from row 2 d on.
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, Runs const& runs);
 
-/// The result of one entry on the rounded problem. It runs once for each order of rows; with stochastic rounding at
-/// least four times, each run with its own draws.
+/// One run of an entry, in the order of this number. `draws`: of stochastic rounding.
+Run run_of(CatalogueEntry const& entry, RoundedProblem const& rounded, size_t order, Seed draws);
+/// The seed of the draws of a run.
+Seed seed_of_run(std::uint64_t seed, size_t run);
+/// Once in each order of rows, the first of which is the record's; none where the problem is not in range.
+Runs runs_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed);
+
+/// The result of runs_of, with four draws where rounding is stochastic.
 Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed);
 
 }  // namespace rlslab::compare

@@ -34,9 +34,9 @@ std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("
 std::string breakdown_text(Result const& r) {
     if (!r.obstacle.empty()) return "-";
     if (r.breakdown) return fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step);
-    return r.broken == 0
-               ? r.foretold ? fmt::format("about row {:.0f}", rounded_row(*r.foretold)) : "none"
-               : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
+    if (r.broken > 0) return fmt::format("in {} of {} draws", r.broken, r.runs);
+    if (r.others.broken > 0) return fmt::format("in {} of {} orders", r.others.broken, r.others.runs);
+    return r.foretold ? fmt::format("about row {:.0f}", rounded_row(*r.foretold)) : "none";
 }
 
 std::string asymmetry_text(std::optional<double> const& asymmetry) {
@@ -61,6 +61,46 @@ std::string foretold_text(Comparison const& c) {
     if (std::ranges::none_of(c.results, [](Result const& r) { return r.foretold.has_value(); })) return "";
     return "about row N: sound on this record, but if such rows go on, the stored P is indefinite at about that row: "
            "its asymmetry grows by 1/lambda at each (docs/theory.md 37).";
+}
+
+namespace {
+
+bool is_another_in_other_orders(Result const& r) {
+    if (r.others.broken > 0 || !r.spread || !r.others.spread) return true;
+    auto const apart = [](double a, double b) { return a != b && !(std::round(10 * std::abs(a - b)) <= 5); };
+    return std::ranges::any_of(PerMeasure<Spread>::all(), [&](auto const m) {
+        Spread const &own = (*r.spread).*m, &other = (*r.others.spread).*m;
+        return apart(own.low, other.low) || apart(own.median, other.median);
+    });
+}
+
+}  // namespace
+
+std::vector<std::string> other_orders_text(Comparison const& c, std::string_view arithmetic) {
+    std::vector<std::string> out;
+    size_t alike = 0;
+    for (Result const& r : c.results) {
+        if (r.entry->arithmetic->name != arithmetic || r.others.runs == 0) continue;
+        if (out.empty()) out.push_back(fmt::format("{} other orders of the rows, {}", r.others.runs, arithmetic));
+        if (!is_another_in_other_orders(r) && !is_recommended(c, r)) {
+            ++alike;
+            continue;
+        }
+        auto const kept = [&](Spread const& s) {
+            return fmt::format("{} ({} to {})", tenths(s.median), tenths(s.low), tenths(s.high));
+        };
+        std::string const broke =
+            r.others.broken > 0 ? fmt::format(", broke down in {} of {}", r.others.broken, r.others.runs) : "";
+        out.push_back(fmt::format("{} {:<22}", is_recommended(c, r) ? '*' : ' ', r.entry->variant) +
+                      (r.others.spread ? fmt::format("theta {}, worst {}, P {}", kept(r.others.spread->theta),
+                                                     kept(r.others.spread->worst), kept(r.others.spread->covariance))
+                                       : "no exact solution") +
+                      broke);
+    }
+    if (alike > 0)
+        out.push_back(fmt::format("  {} other{}: low and mid within half a digit of those in the record's order", alike,
+                                  alike == 1 ? "" : "s"));
+    return out;
 }
 
 std::string recommended_in(Comparison const& c, std::string_view arithmetic) {
@@ -108,7 +148,8 @@ std::vector<std::string> warnings(Comparison const& c) {
     else if (!(c.component_bias <= most_component_bias))
         out.push_back(
             fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
-    if (std::string const cost = prior_cost_text(c); !cost.empty()) out.push_back(cost);
+    for (std::string const& cost : {prior_cost_text(c), start_cost_text(c)})
+        if (!cost.empty()) out.push_back(cost);
     if (c.offset > most_offset)
         out.push_back(
             fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that "

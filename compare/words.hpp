@@ -17,7 +17,7 @@ std::string listed(std::vector<std::string> const& items, std::string const& ind
 /// Digits to a tenth; "-" where there are none.
 std::string tenths(double digits);
 
-/// "none", "indefinite at 25", "in 2 of 4 orders", "about row 11000".
+/// "none", "indefinite at 25", "in 2 of 4 draws", "in 1 of 3 orders" (other ones than the record's), "about row 11000".
 std::string breakdown_text(Result const& result);
 
 /// "8e-01", "0"; "-" where nothing is known.
@@ -32,6 +32,11 @@ std::string rounding_text(RoundingEffect const& effect, Comparison const& compar
 
 /// What "about row 11000" means; "" where nothing is foretold.
 std::string foretold_text(Comparison const& comparison);
+
+/// What three other orders of the rows leave, in this arithmetic: a heading; the named form; those that broke down
+/// there, or whose `low` or `mid` is more than half a digit from that in the record's order; one line for the others.
+/// Empty where there is one order.
+std::vector<std::string> other_orders_text(Comparison const& comparison, std::string_view arithmetic);
 
 /// The variant to use in this arithmetic, or "": the recommendation, or what keeps the digits that are wanted.
 std::string recommended_in(Comparison const& comparison, std::string_view arithmetic);

@@ -53,6 +53,7 @@ int run_compare(CompareArguments const& a) {
         question.model.warnings.push_back(std::move(doubt));
     comparison.model = question.model;
     if (options.p0 || a.json || !a.out.empty()) comparison.prior_costs = prior_costs(question.records, comparison);
+    comparison.start_costs = start_costs(question.records, comparison);
     comparison.run = this_run(options.timings, question.model.file, question.sha256, question.rows);
     if (options.digits)
         comparison.digits = std::make_shared<DigitsAnswer>(

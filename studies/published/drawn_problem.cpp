@@ -1,5 +1,6 @@
 // Sums are loops in order, powers are correctly rounded: the same bits on any machine.
 #include "studies/published/drawn_problem.hpp"
+#include "studies/published/everyday_rows.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/studies/spectra.hpp>
@@ -112,6 +113,7 @@ DrawnProblem drawn_problem(Index number, Seed seed) {
 }
 
 Records realisation(DrawnProblem const& p, Seed rows, Seed noise) {
+    if (!p.kind.empty()) return everyday_realisation(p, rows, noise);
     Matrix<double> psi = p.regressors == "delay line" ? delay_line_of(p, rows) : white_of(p, rows);
     for (Index i = 0; i < p.size; ++i) {
         double const mean = p.offset * root_mean_square_of(psi.row(i));

@@ -1,4 +1,5 @@
-// Random problems: a system, an input and noise, drawn from one distribution that study random_problems states.
+// Random problems: a system, an input and noise, drawn from two distributions: of study random_problems, and of study
+// everyday_problems, whose rows are of the kinds that plants and tables leave.
 #pragma once
 
 #include <rlslab/studies/study.hpp>
@@ -39,10 +40,37 @@ struct DrawnProblem {
     std::vector<double> sigma;  ///< d
     Matrix<double> V;           ///< d x d: permuted unit vectors where the regressors are not rotated
     Vector<double> theta;       ///< d
+    // Of the second distribution:
+    std::string kind = {};                   ///< empty: of the first
+    double jitter = 0;                       ///< deviation of the input while it rests
+    Index rest = 0, period = 0, level = 0;   ///< rows at rest; of a period; between two steps of a column
+    std::vector<Vector<double>> later = {};  ///< theta after each change
 };
 
 /// Problem 1, 2, ...: the number decides the word and which have d = 32, the seed the rest.
 DrawnProblem drawn_problem(Index number, Seed seed);
+
+/// The kinds of the second distribution.
+inline constexpr char const* everyday_kinds[] = {"rest", "periodic", "counts", "units", "changes", "levels"};
+
+/// A problem of the second distribution; its kinds, words and lambdas take turns, the seed decides the rest.
+///
+///   d        2^(1 + 2 x), rounded: 2 to 8
+///   N        log-uniform from 40 d to 4000
+///   theta_i  10^(x - 1/2) with a random sign, in units of its column
+///   noise    10^(-3 + 3 x) of the output's root mean square
+///   word     float or double
+///   lambda   1 in a half; else the memory 1 / (1 - lambda) is log-uniform from 10 d to 2000
+///   prior    what compare proposes; in a quarter c^2 I with c^2 = 10^(4 + 8 x)
+///   rows     rest: a delay line of an input that is 1 + 10^(-6 + 5 x) w before the first row and for 2 to
+///              20 % of N, then w
+///            periodic: a delay line of w or of random signs that repeats after T rows, T log-uniform from 2 d to N / 4
+///            counts: a third each whole numbers from 0 to 4095, random signs in a delay line, and group marks 0 or 1
+///              with a column of ones; y is rounded to a whole number
+///            units: w times 10^(-6 + 12 x), each column its own; in a half about a mean of 10 deviations
+///            changes: w, and theta drawn anew 2 to 6 times, at even distances
+///            levels: w, but for two columns: ones, and a level that steps after 5 to 40 % of N
+DrawnProblem everyday_problem(Index number, Seed seed);
 
 /// A record of the problem: regressors from one seed, noise from another.
 Records realisation(DrawnProblem const& problem, Seed rows, Seed noise);

@@ -1,5 +1,5 @@
-// With forgetting a record has one order of rows, and compare one draw of the rounding errors. The record in other
-// units is the same problem with other rounding errors: what do four such draws name?
+// With forgetting a record has one order of rows. The record in other units is the same problem with other rounding
+// errors: how much better a form do four such draws name than one?
 #include "studies/published/naming.hpp"
 
 #include <rlslab/studies/judgements.hpp>
@@ -49,7 +49,7 @@ Comparison pooled(std::vector<Comparison> const& all) {
 std::vector<Comparison> one_and_four(Records const& record, DrawnProblem const& p, bool only_if_named) {
     std::vector<Comparison> all;
     for (int i = 0; i < draws; ++i) {
-        auto const one = compared(in_units(record, i), p, 1);
+        auto const one = compared(in_units(record, i), p, 1, 1);
         if (!one || (only_if_named && i == 0 && named_in(one) == "none")) return {};
         all.push_back(*one);
     }
@@ -122,8 +122,8 @@ Study const rounding_draws{
         R"tex((\psi_k, y_k) \to s (\psi_k, y_k),\quad s = 1, \tfrac{65}{64}, \tfrac{66}{64}, \tfrac{67}{64}: \quad
 \theta \to \theta,\quad P \to s^{-2} P)tex",
     .interpretation =
-        "Where lambda = 1 compare tries four orders of the rows; with forgetting the order is part of the problem, "
-        "and there is one draw of the rounding errors. A record times s has the same theta, and other rounding "
+        "With forgetting the order of the rows is part of the problem, and a run is one draw of the rounding errors; "
+        "compare took one when this study was set. A record times s has the same theta, and other rounding "
         "errors. Four of them are averaged as compare averages over orders; the prior keeps its rule, so that c^2 "
         "I is 9 % weaker at most. Another record of the same problem judges, by one draw or by four. `moved` is by "
         "how much the digits of theta that ud keeps more than gentleman differ between the two records.",

@@ -1,6 +1,7 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "compare/score.hpp"
+#include "compare/draws.hpp"
+#include "compare/exact_sums.hpp"
 #include "tests/common/laws.hpp"
 
 #include <rlslab/model/regression.hpp>
@@ -127,70 +128,88 @@ TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {
     }
 }
 
-/// The spread is that of the digits at rows 2 d and later, over all the orders; the breakdowns are counted in all.
-TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
+/// Digits and breakdowns of runs, and the spread of the digits.
+struct Tally {
+    PerMeasure<std::vector<double>> all;
+    int broke = 0;
+    Index first = -1;  ///< row of the breakdown of the first run
+
+    void take(AnyFilter& filter, Records const& rows, Problem<double> const& problem, Arithmetic const& a,
+              bool first_run) {
+        Index breakdown = -1;
+        for (Index k = 0; k < rows.rows(); ++k) {
+            filter.update(rows.sample(k), rows.y[k]);
+            Stored<Reference> const held = filter.stored();
+            Vector<Reference> const theta = filter.theta();
+            bool const finite = is_finite(theta[0]) && is_finite(theta[1]);
+            Matrix<Reference> const X = rebuilt({Stored<Reference>::Quantity::covariance, held.form, held.F, held.D});
+            // A 2 x 2 matrix is definite if its trace and determinant are positive; 257 bits hold the products of short
+            // words.
+            Reference const off = (X(0, 1) + X(1, 0)) / 2;
+            if (!(X(0, 0) + X(1, 1) > 0 && X(0, 0) * X(1, 1) - off * off > 0) && breakdown < 0) breakdown = k + 1;
+            if (k + 1 < 4) continue;
+            Solved const s = solved(rows, k + 1, problem.forgetting, (*problem.prior->covariance)(0, 0),
+                                    (*problem.prior->covariance)(1, 1));
+            double const most = a.digits * std::log10(2);
+            all.theta.push_back(finite ? std::min(most, theta_digits(theta, s)) : -infinity);
+            all.worst.push_back(finite ? std::min(most, worst_digits(theta, s)) : -infinity);
+            double const P = covariance_digits(held, s);
+            all.covariance.push_back(std::isnan(P) ? -infinity : std::min(most, P));
+        }
+        broke += breakdown >= 0;
+        if (first_run) first = breakdown;
+    }
+    Spread spread(size_t m) const {
+        std::vector<double> sorted = all.*(PerMeasure<std::vector<double>>::all()[m]);
+        std::ranges::sort(sorted);
+        double const last = double(sorted.size() - 1);
+        auto const tenth = [&](double rank) { return std::round(10 * sorted[size_t(rank)]) / 10; };
+        return {tenth(std::floor(last / 10)), tenth(std::floor(last / 2)), tenth(std::ceil(9 * last / 10))};
+    }
+};
+
+/// The spread is that of the digits at rows 2 d and later: over the draws in the record's order, and apart over the
+/// other orders. The breakdowns are counted likewise.
+TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheDrawsAndTheOrders) {
     Records const given = few_rows();
-    int broken = 0, later = 0;
+    int broken = 0, later = 0, several = 0;
     for (double const lambda : {1.0, 0.875}) {
         Comparison const c = compared(given, lambda);
         for (Result const& r : c.results) {
             if (r.entry->block > 1) continue;
             Arithmetic const& a = *r.entry->arithmetic;
-            Records const stored = as_stored(given, a);
             Problem<double> const problem{.size = 2, .forgetting = lambda, .prior = c.scaled_prior->prior()};
-            PerMeasure<std::vector<double>> all;
-            int broke = 0;
-            auto const orders = row_orders(given.rows(), lambda, 1);
-            for (auto const& order : orders) {
-                Records const rows = in_order(stored, order);
-                auto const filter = r.entry->make(problem, Seed{1});
-                std::optional<Index> first;
-                for (Index k = 0; k < rows.rows(); ++k) {
-                    filter->update(rows.sample(k), rows.y[k]);
-                    Stored<Reference> const held = filter->stored();
-                    Vector<Reference> const theta = filter->theta();
-                    bool const finite = is_finite(theta[0]) && is_finite(theta[1]);
-                    Matrix<Reference> const X =
-                        rebuilt({Stored<Reference>::Quantity::covariance, held.form, held.F, held.D});
-                    // A 2 x 2 matrix is definite if its trace and determinant are positive; 257 bits hold the products
-                    // of short words.
-                    Reference const off = (X(0, 1) + X(1, 0)) / 2;
-                    if (!(X(0, 0) + X(1, 1) > 0 && X(0, 0) * X(1, 1) - off * off > 0) && !first) first = k + 1;
-                    if (k + 1 < 4) continue;
-                    Solved const s = solved(rows, k + 1, lambda, (*problem.prior->covariance)(0, 0),
-                                            (*problem.prior->covariance)(1, 1));
-                    double const most = a.digits * std::log10(2);
-                    all.theta.push_back(finite ? std::min(most, theta_digits(theta, s)) : -infinity);
-                    all.worst.push_back(finite ? std::min(most, worst_digits(theta, s)) : -infinity);
-                    double const P = covariance_digits(held, s);
-                    all.covariance.push_back(std::isnan(P) ? -infinity : std::min(most, P));
-                }
-                broke += first.has_value();
-                if (order.empty()) {
-                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, {}}).step, first.value_or(-1))
-                        << r.entry->variant << a.name;
-                }
+            Tally own, others;
+            bool const exact = exact_rows(as_stored(given, a), problem, a).has_value();
+            size_t draw = 0;
+            for (int i = 0; i < r.runs && draw < 16; ++draw) {
+                Records const rows = as_stored(drawn(given, draw), a);
+                if (exact && !exact_rows(rows, problem, a)) continue;
+                own.take(*r.entry->make(problem, Seed{1}), rows, problem, a, i++ == 0);
             }
-            EXPECT_EQ(r.runs, int(orders.size()));
-            EXPECT_EQ(r.broken, broke) << r.entry->variant << " in " << a.name;
-            broken += broke;
-            later += broke > 0 && !r.breakdown;
+            auto const orders = row_orders(given.rows(), lambda, 1);
+            for (size_t i = 1; i < orders.size(); ++i)
+                others.take(*r.entry->make(problem, Seed{1}), in_order(as_stored(given, a), orders[i]), problem, a,
+                            false);
+            std::string const what = std::string(r.entry->variant) + " in " + std::string(a.name);
+            EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, {}}).step, own.first) << what;
+            EXPECT_EQ(r.others.runs, lambda == 1 ? 3 : 0);
+            EXPECT_EQ(r.broken, own.broke) << what;
+            EXPECT_EQ(r.others.broken, others.broke) << what;
+            broken += own.broke + others.broke, later += others.broke > 0 && !r.breakdown, several += r.runs > 1;
             ASSERT_TRUE(r.spread);
+            ASSERT_EQ(r.others.spread.has_value(), lambda == 1);
             for (size_t m = 0; m < 3; ++m) {
-                std::vector<double> sorted = all.*(PerMeasure<std::vector<double>>::all()[m]);
-                std::ranges::sort(sorted);
-                // 11 numbers: the second, the sixth, the tenth; 44: the fifth, the 22nd, the 40th.
-                size_t const n = sorted.size();
-                ASSERT_TRUE(n == 11 || n == 44);
-                auto const tenth = [&](size_t place) { return std::round(10 * sorted[place - 1]) / 10; };
-                Spread const expected =
-                    n == 11 ? Spread{tenth(2), tenth(6), tenth(10)} : Spread{tenth(5), tenth(22), tenth(40)};
-                EXPECT_EQ((*r.spread).*PerMeasure<Spread>::all()[m], expected)
-                    << r.entry->variant << " in " << a.name << " measure " << m;
+                auto const measure = PerMeasure<Spread>::all()[m];
+                EXPECT_EQ((*r.spread).*measure, own.spread(m)) << what << " measure " << m;
+                if (lambda == 1) {
+                    EXPECT_EQ((*r.others.spread).*measure, others.spread(m)) << what << " measure " << m;
+                }
             }
         }
     }
     EXPECT_GT(broken, 10);
+    EXPECT_GT(several, 10);
     EXPECT_GT(later, 0) << "no form broke down in another order alone";
 }
 
@@ -321,8 +340,8 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
     }
 }
 
-/// Stochastic rounding: four draws also where there is one order, each of its own.
-TEST(ComparisonNumbers, StochasticRoundingIsDrawnFourTimes) {
+/// Four draws, each of its own: of stochastic rounding, and of the rows in other units.
+TEST(ComparisonNumbers, RoundingsAreDrawnFourTimes) {
     Records const given = few_rows();
     auto const of = [&](double lambda) {
         return compare::compare(given, {.forgetting = lambda,
@@ -332,7 +351,7 @@ TEST(ComparisonNumbers, StochasticRoundingIsDrawnFourTimes) {
             .results;
     };
     for (double const lambda : {1.0, 0.875})
-        for (Result const& r : of(lambda)) EXPECT_EQ(r.runs, lambda == 1 || r.entry->arithmetic->stochastic ? 4 : 1);
+        for (Result const& r : of(lambda)) EXPECT_EQ(r.runs, 4) << "there is no other form";
     std::vector<std::optional<double>> once;
     for (Result const& r : of(0.875))
         if (r.entry->arithmetic->stochastic) {

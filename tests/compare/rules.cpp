@@ -149,7 +149,7 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     m.add("conventional", {11, 11, 11}, {11, 11, 11}, {8, 8.2, 9}, false);
     m.add("ud", {11, 11, 11});
     EXPECT_THAT(said(m), Names("100 next conventional 2.8 P"));
-    m.add("qr", {10, 10.8, 11}, {11, 11, 11}, {10, 10.9, 11});
+    m.add("qr", {10.6, 10.8, 11}, {11, 11, 11}, {10.5, 10.9, 11});
     EXPECT_THAT(said(m), Names("next qr 0.2 theta conventional 2.8 P"));
     m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
     EXPECT_THAT(said(m), Names("0.2 theta conventional indefinite 129"));
@@ -169,10 +169,64 @@ TEST(Recommendation, NeverOneThatBrokeDownInAnyOrder) {
     m.add("broken", {13, 14, 15}, true, "covariance", 1).broken = 1;
     m.add("sound", {4, 5, 6}, false);
     EXPECT_EQ(m.recommended().variant, "sound");
+    m.results.front().broken = 0, m.results.front().others.broken = 1;
+    EXPECT_EQ(m.recommended().variant, "sound");
     m.results.back().broken = 4;
     EXPECT_EQ(m.recommended().variant, "");
     EXPECT_THAT(m.recommended().why, Names("2 variants"));
     EXPECT_TRUE(m.recommended().too_short);
+}
+/// 0.5 is not too far, 0.6 is: in any of the three measures, whatever its medians are.
+TEST(Recommendation, NotOneWhoseLowIsMoreThanHalfADigitBehind) {
+    for (auto const measure : PerMeasure<Spread>::all())
+        for (double const lost : {0.5, 0.6}) {
+            Made m;
+            PerMeasure<Spread> s{{14, 15.3, 16}, {14, 15.3, 16}, {14, 15.3, 16}};
+            (s.*measure).low -= lost;
+            m.add("high", s.theta, s.worst, s.covariance);
+            m.add("steady", {14, 15.0, 15.5});
+            EXPECT_EQ(m.recommended().variant, lost > 0.5 ? "steady" : "high") << lost;
+            (m.results.back().spread->theta).low = 12;  // each is behind the other: the lesser loss again
+            if (lost > 0.5) {
+                EXPECT_EQ(m.recommended().variant, "high");
+            }
+        }
+    Made m;  // no answer at a tenth of the checkpoints
+    m.add("none", {-INFINITY, 15, 16}, {4, 15, 16}, {14, 15, 16});
+    m.add("steady", {13.9, 14.6, 15}, {4, 14.6, 15}, {14, 14.6, 15});
+    EXPECT_EQ(m.recommended().variant, "steady");
+}
+TEST(Recommendation, TheCheapestFactorWithinHalfADigitStandsBeside) {
+    auto const beside = [](double loss, long operations, bool factor, double low) {
+        Made m;
+        m.add("best", {10, 11, 12});
+        m.add("other", {low, 11 - loss, 12}, factor, "covariance", operations);
+        m.add("far", {5, 6, 7}, true, "covariance", 1);
+        Comparison c = m.comparison();
+        c.recommendations = {recommend(m.arithmetic, c)};
+        EXPECT_EQ(c.recommendations.front().variant, "best");
+        std::string const out = c.recommendations.front().cheapest;
+        EXPECT_EQ(verdict(c).find("within half a digit for less: other, ") != std::string::npos, !out.empty());
+        return out;
+    };
+    EXPECT_EQ(beside(0.5, 99, true, 9.5), "other");
+    EXPECT_EQ(beside(0.6, 99, true, 9.5), "");
+    EXPECT_EQ(beside(0.5, 100, true, 9.5), "");
+    EXPECT_EQ(beside(0.5, 99, false, 9.5), "") << "P itself may become indefinite behind the record";
+    EXPECT_EQ(beside(0.5, 99, true, 9.4), "");
+}
+TEST(Recommendation, InformationWhereItsSumsAreExactAndItIsWithinHalfADigit) {
+    for (double const loss : {0.5, 0.6})
+        for (bool const exact : {true, false}) {
+            Made m;
+            m.add("ud", {10, 11, 12});
+            m.add("information", {10, 11 - loss, 12}, false, "information");
+            Comparison c = m.comparison();
+            if (exact) c.exact = {{"double", 4096}};
+            Recommendation const r = recommend(m.arithmetic, c);
+            EXPECT_EQ(r.variant, exact && loss < 0.55 ? "information" : "ud");
+            EXPECT_EQ(r.exact_rows, r.variant == "information" ? 4096 : 0);
+        }
 }
 TEST(Recommendation, NotThoseThatTakeBlocksNorThoseOfLibraries) {
     Made m;

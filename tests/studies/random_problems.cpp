@@ -85,5 +85,66 @@ TEST(RandomProblems, RealisationsShareTheSystemAlone) {
     }
 }
 
+// --- the second distribution -----------------------------------------------------------------------------------------
+
+std::vector<DrawnProblem> everyday(Index count) {
+    std::vector<DrawnProblem> out;
+    Seed seed{8};
+    for (Index number = 1; number <= count; ++number) out.push_back(everyday_problem(number, Seed{seed.next()}));
+    return out;
+}
+
+TEST(EverydayProblems, KeepTheStatedRangesAndTakeTurns) {
+    std::map<std::string, int> turns;
+    for (DrawnProblem const& p : everyday(240)) {
+        ++turns[p.kind], ++turns[p.word], ++turns[p.forgetting == 1 ? "lambda = 1" : "less"], ++turns[p.prior];
+        EXPECT_TRUE(2 <= p.size && p.size <= 8);
+        EXPECT_TRUE(40 * p.size <= p.rows && p.rows <= 4000);
+        EXPECT_TRUE(1e-3 <= p.noise && p.noise <= 1);
+        EXPECT_TRUE(p.forgetting == 1 || (1 / (1 - p.forgetting) <= 2001 && 1 / (1 - p.forgetting) >= 9.9 * p.size));
+        EXPECT_EQ(p.p0.has_value(), p.prior == "given");
+        EXPECT_TRUE(!p.p0 || (1e4 <= *p.p0 && *p.p0 <= 1e12));
+        for (Index i = 0; i < p.size; ++i) {
+            double const theta = std::abs(p.theta[i]) * p.sigma[size_t(i)];
+            EXPECT_TRUE(0.316 <= theta && theta <= 3.163) << theta;
+        }
+        EXPECT_EQ(!p.later.empty(), p.kind == "changes");
+    }
+    for (char const* kind : everyday_kinds) EXPECT_EQ(turns[kind], 40) << kind;
+    for (char const* half : {"float", "double", "lambda = 1", "less"}) EXPECT_NEAR(turns[half], 120, 12) << half;
+    EXPECT_NEAR(turns["given"], 60, 5 * std::sqrt(240 * 3 / 16.0));
+}
+
+TEST(EverydayProblems, HaveTheRowsOfTheirKinds) {
+    for (DrawnProblem const& p : everyday(120)) {
+        Records const r = realisation(p, Seed{1}, Seed{2}), other = realisation(p, Seed{3}, Seed{4});
+        ASSERT_EQ(r.rows(), p.rows);
+        EXPECT_NE(r.psi, other.psi) << p.kind;
+        Index const last = p.size - 1;
+        if (p.kind == "rest") {
+            EXPECT_GE(p.rest, 1);
+            for (Index k = 0; k < p.rest; ++k)
+                for (Index i = 0; i <= last; ++i) ASSERT_NEAR(r.psi(i, k), 1, 6 * p.jitter);
+        }
+        for (Index k = p.period; p.kind == "periodic" && k < p.rows; ++k)
+            ASSERT_EQ(r.psi.col(k), r.psi.col(k - p.period)) << k;
+        if (p.kind == "counts") {
+            for (double const x : r.psi.reshaped()) ASSERT_TRUE(x == std::round(x) && std::abs(x) <= 4095);
+            for (double const y : r.y) ASSERT_EQ(y, std::round(y));
+        }
+        if (p.kind == "units") {
+            for (Index i = 0; i < p.size; ++i)
+                EXPECT_NEAR(r.psi.row(i).norm() / std::sqrt(double(p.rows)) / p.sigma[size_t(i)], p.offset > 0 ? 10 : 1,
+                            0.6);
+        }
+        if (p.kind == "levels") {
+            Index steps = 0;
+            for (Index k = 1; k < p.rows; ++k) steps += r.psi(last - 1, k) != r.psi(last - 1, k - 1);
+            EXPECT_EQ(steps, (p.rows - 1) / p.level);
+            EXPECT_EQ(r.psi.row(last).minCoeff(), 1);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace rlslab::studies
