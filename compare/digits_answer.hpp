@@ -12,8 +12,8 @@ namespace rlslab::compare {
 ///               data as stored, as `compare` counts them
 ///   (2) at_end  after the last row, of the least-squares solution for the data as given: the least of all runs. Prior
 ///               and rounding of the data are in it
-/// A run is a draw of the roundings in the record's order, or another order of the rows. (1) is of the record's order. A parameter whose least-squares value is zero has no
-/// digits and is left out of (2).
+/// A run is a draw of the roundings in the record's order, or another order of the rows. (1) is of the
+/// record's order. A parameter whose least-squares value is zero has no digits and is left out of (2).
 struct KeptDigits {
     Result const* result;
     double along, at_end;

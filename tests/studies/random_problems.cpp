@@ -101,7 +101,8 @@ TEST(EverydayProblems, KeepTheStatedRangesAndTakeTurns) {
         EXPECT_TRUE(2 <= p.size && p.size <= 8);
         EXPECT_TRUE(40 * p.size <= p.rows && p.rows <= 4000);
         EXPECT_TRUE(1e-3 <= p.noise && p.noise <= 1);
-        EXPECT_TRUE(p.forgetting == 1 || (1 / (1 - p.forgetting) <= 2001 && 1 / (1 - p.forgetting) >= 9.9 * p.size));
+        EXPECT_TRUE(p.forgetting == 1 ||
+                    (1 / (1 - p.forgetting) <= 2001 && 1 / (1 - p.forgetting) >= 9.9 * double(p.size)));
         EXPECT_EQ(p.p0.has_value(), p.prior == "given");
         EXPECT_TRUE(!p.p0 || (1e4 <= *p.p0 && *p.p0 <= 1e12));
         for (Index i = 0; i < p.size; ++i) {
