@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 Numbers = NDArray[np.floating[Any]]
 #: numpy's real scalars; its differences of time are integers, too.
 SCALARS = tuple(
-    t for t in np.ScalarType if issubclass(t, (np.floating, np.integer, np.bool_)) and t is not np.timedelta64
+    t for t in np.ScalarType
+    if issubclass(t, (np.floating, np.integer, np.bool_)) and not issubclass(t, np.timedelta64)
 )
 
 
@@ -49,7 +50,8 @@ def _of_frame(given: Any, name: str) -> NDArray[Any]:
                 ".astype(float)"
             )
         out.append(column.to_numpy(np.float64, na_value=np.nan))
-    return np.column_stack(out) if given.ndim == 2 else out[0]
+    table: NDArray[Any] = np.column_stack(out) if given.ndim == 2 else out[0]
+    return table
 
 
 def contiguous(array: Numbers) -> Numbers:

@@ -21,7 +21,8 @@ _NORMAL = statistics.NormalDist()
 def _scaled(X: Floats) -> Floats:
     """Each column over its largest number, which is what its rounding is relative to."""
     most = np.abs(X).max(axis=0)
-    return X / np.where(most > 0, most, 1)
+    scaled: Floats = X / np.where(most > 0, most, 1)
+    return scaled
 
 
 def _ranks(X: Floats) -> list[int]:
@@ -42,9 +43,10 @@ def _ranks(X: Floats) -> list[int]:
 
 def _independent(X: Floats) -> list[int]:
     """Columns, the first ones, on which all others depend."""
-    scaled, out = _scaled(X), []
+    scaled = _scaled(X)
+    out: list[int] = []
     for j in range(X.shape[1]):
-        if np.linalg.matrix_rank(scaled[:, [*out, j]]) > len(out):
+        if np.linalg.matrix_rank(scaled[:, np.array([*out, j])]) > len(out):
             out.append(j)
     return out
 

@@ -23,6 +23,22 @@ TEST(ReplaceFile, KeepsALinkAndReplacesWhatItNames) {
     std::ifstream in(file);
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "new");
 }
+TEST(ReplaceFile, KeepsALinkToNothing) {
+    files::Folder const folder;
+    fs::path const link = folder.path / "link";
+    fs::create_symlink("new", link);
+    replace_file(link, "text");
+    EXPECT_TRUE(fs::is_symlink(link));
+    EXPECT_TRUE(fs::is_regular_file(folder.path / "new"));
+}
+TEST(ReplaceFile, TakesTheLongestName) {
+    files::Folder const folder;
+    fs::path const longest = folder.path / std::string(255, 'a');
+    replace_file(longest, "text");
+    EXPECT_EQ(fs::file_size(longest), 4U);
+    EXPECT_THROW(replace_file(folder.path / std::string(256, 'a'), "text"), FileError);
+    EXPECT_THROW(replace_file("", "text"), FileError);
+}
 /// As with a device: renamed over /dev/null by root, a file would take its place.
 TEST(ReplaceFile, WritesIntoAPipe) {
     files::Folder const folder;
