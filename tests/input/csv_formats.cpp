@@ -255,7 +255,7 @@ TEST(Above, LinesOfAnotherKindEndWhereTheNamesStand) {
         << "a sentence has other cells than a row";
     EXPECT_EQ(read("Logger\nu\n1\n\n2\n", {"u"}).rows(), 3) << "a blank line of one column is a missing value";
     EXPECT_THAT(refusal(logger + "t;u\n0;1\n", {"v"}), Names("data.csv:1"));
-    EXPECT_THAT(refusal("x\n1,2\n3,4\n", {"1", "2"}), Names("data.csv 2 x")) << "numbers are no names of a row below";
+    EXPECT_THAT(refusal("x\n1,2\n3,4\n", {"1", "2"}), Names("data.csv 1 x")) << "numbers are no names of a row below";
     EXPECT_THAT(refusal(logger + "t;u;u\n0;1;1\n", {"u"}), Names("data.csv:5 u 2 3"));
 }
 TEST(Separator, ABarIsFoundOut) {

@@ -40,7 +40,7 @@ struct CsvFormat {
 
 /// A CSV file; the constructor opens it and reads its first row. The rest of the format is found out:
 ///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else
-///               bar if the next row has as many, else comma, else blanks if the next row has as many cells as the first
+///               bar if the next row has as many, else comma, else blanks if the next row has as many cells
 ///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad
 ///               numbers); not where all columns are requested by number, and it is text and numbers over text and
 ///               numbers in the same columns. Where it has not all names that are requested: the comment above it, or

@@ -95,9 +95,9 @@ std::optional<Marks::Fault> Marks::end(char separator) const {
         }
         return Fault{
             at,
-            fmt::format(
-                "{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former; take it out if it is the latter)",
-                in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
+            fmt::format("{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former; "
+                        "take it out if it is the latter)",
+                        in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
     };
     if (point_group_ && comma_) return doubt(*point_group_, comma_);
     if (mark_ != 0) return std::nullopt;

@@ -146,7 +146,9 @@ std::vector<std::string> cells_among(std::vector<std::string> const& words, Byte
             for (char const separator : separators)
                 if (row.split(line->substr(mark), separator) == Row::Result::whole)
                     for (std::size_t i = 0; i < row.size(); ++i)
-                        if (std::ranges::find(words, row[i]) != words.end()) out.emplace_back(row[i]);
+                        if (std::ranges::find(words, row[i]) != words.end() &&
+                            std::ranges::find(out, row[i]) == out.end())
+                            out.emplace_back(row[i]);
     }
     return out;
 }
