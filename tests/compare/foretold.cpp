@@ -81,11 +81,12 @@ TEST(Foretold, TheConventionalFormEndsNearTheRow) {
                         }
                 }
     std::ranges::sort(ratios);
-    auto const at = [&](double part) { return ratios[size_t(part * double(ratios.size() - 1))]; };
-    std::printf(
-        "%d runs, %d broke; %d asked, %zu told; broke / foretold: %.3f (least) %.3f (10 %%) %.3f (median) %.3f (90 %%) "
-        "%.3f (most)\n",
-        runs, broke, asked, ratios.size(), ratios.front(), at(0.1), at(0.5), at(0.9), ratios.back());
+    EXPECT_EQ(broke, runs);
+    // Measured: 103 told of 110 asked, from 1.007 to 1.214, nine tenths of them up to 1.136 (docs/compare.md).
+    EXPECT_GE(ratios.size(), 100u) << "of " << asked;
+    EXPECT_GT(ratios.front(), 1.0);
+    EXPECT_LT(ratios[size_t(0.9 * double(ratios.size() - 1))], 1.15);
+    EXPECT_LT(ratios.back(), 1.25);
 }
 
 /// Forms whose P stays symmetric, or that damp what is not, are told nothing of.
