@@ -1,5 +1,4 @@
-// A comparison as a table for people, as JSON and CSV for programs.
-// Long: three writings of the same numbers.
+// A comparison as a table for people, as JSON and CSV for programs. Long: three writings of the same numbers.
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"
@@ -240,19 +239,16 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
         plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
               : "for the data as stored, at most the arithmetic's own. A row ends with what "
                 "the composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
-    note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
-    if (std::string const text = foretold_text(c); !text.empty()) note(text);
+    note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite." +
+         foretold_text(c));
     note(
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "
         "not recommended.");
     if (!c.fast.empty())
         note(
-            "Fast forms (docs/fast.md) are no variants: they take a sample and hold neither P nor R. Digits of the "
-            "prediction error against the certified theta of the rows before it; their line starts with zeros.");
-    if (c.digits)
-        note(
-            "The table is for the prior in the head and the columns as they are. The answer (*) has a prior and a "
-            "scaling of its own.");
+            "Fast forms (docs/fast.md) hold neither P nor R. Digits of the prediction error against the certified theta "
+            "of the rows before it; their line starts with zeros.");
+    if (c.digits) note("The table is for the prior in the head. The answer (*) has a prior and a scaling of its own.");
     note(
         fmt::format("The recommendation is for the record's order. It never broke down and keeps {} digits of the "
                     "worst component at nine tenths of the checkpoints. Of such whose low is within half a digit of "

@@ -59,7 +59,7 @@ std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
 
 std::string foretold_text(Comparison const& c) {
     if (std::ranges::none_of(c.results, [](Result const& r) { return r.foretold.has_value(); })) return "";
-    return "about row N: sound on this record, but if such rows go on, the stored P is indefinite at about that row: "
+    return " about row N: sound on this record, but if such rows go on, the stored P is indefinite at about that row: "
            "its asymmetry grows by 1/lambda at each (docs/theory.md 37).";
 }
 
