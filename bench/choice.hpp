@@ -9,8 +9,8 @@
 
 namespace rlslab::bench {
 
-/// The sizes of the rows fixed/: all of them where times are quoted from (compiled for one machine's instruction set);
-/// elsewhere one of registers alone and one of loops show that they compile.
+/// The sizes of the rows fixed/: all five where times are quoted from, compiled for one machine's instruction set.
+/// Elsewhere one of registers alone and one of loops show that they compile.
 #ifdef RLSLAB_BENCH_EVERY_SIZE
 inline constexpr std::array fixed_sizes{2, 3, 4, 6, 8};
 #else

@@ -118,7 +118,7 @@ def index_page(headers):
     rows = [f"| [`{h.name}`](../variants/{h.name}.md) | `rlslab::{h.type}{'' if h.sparse else '<T, N>'}` | "
             f"`<rlslab/variants/{h.name}.hpp>` |" for h in headers]
     return ("# C++: every header\n\nWhat carries a docstring, by room; the types that applications use most are also "
-            "in [tables](../docs/types.md).\n\n## The variants\n\nA variant's class has the variant's name without "
+            "in [tables](types.md).\n\n## The variants\n\nA variant's class has the variant's name without "
             "underscores, each word with a capital: `ud_delta` is `rlslab::UdDelta<T, N>` in C++ (T: the scalar; N: "
             "the number of parameters, where it is known), `rlslab.UdDelta` in Python, `\"ud_delta\"` in C and on "
             "the command line (the sparse ones are in C++ and in the program alone). Its page has what it computes; "

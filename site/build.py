@@ -26,7 +26,7 @@ ours = [p for kind in ("*.md", "docs/*.md", "docs/decisions/*.md", "examples/**/
 def sources():
     """path in the tree -> text of each page."""
     of = pages.Shared()
-    out = {"docs/types.md": type_tables.made()}
+    out = {"api/types.md": type_tables.made()}
     out |= {str(p.relative_to(root)): p.read_text() for p in ours}
     out |= {f"variants/{h.name}.md": pages.variant_page(h, of) for h in of.headers}
     out |= {f"studies/{s['name']}.md": pages.study_page(s, of.links) for s in of.studies}
@@ -62,7 +62,7 @@ class Site:
             return link
         path, _, part = link.partition("#")
         whole = os.path.normpath(os.path.join(os.path.dirname(page), path))
-        shown = {"docs": "index.md", "docs/README.md": "index.md", "docs/type_tables.py": "docs/types.md"}
+        shown = {"docs": "index.md", "docs/README.md": "index.md", "docs/type_tables.py": "api/types.md"}
         whole = shown.get(whole, whole)
         found = next((p for p in (whole, f"{whole}/index.md", f"{whole}/README.md") if p in self.texts), None)
         if found:

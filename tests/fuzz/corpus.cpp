@@ -1,6 +1,6 @@
-// Feeds each case of a corpus to a target: an ordinary test, with any compiler. A corpus is a folder of files, or a file
-// of lines: a case's name, a blank, and its bytes with \n, \\ and \xHH for what is not printable. `corpus_csv FILE
-// FOLDER` writes them into a folder, where libFuzzer begins.
+// Feeds each case of a corpus to a target: an ordinary test, with any compiler. A corpus is a folder of files, or a
+// file of lines: a case's name, a blank, and its bytes with \n, \\ and \xHH for what is not printable. `corpus_csv
+// FILE FOLDER` writes them into a folder, where libFuzzer begins.
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
