@@ -4,7 +4,7 @@ Intervals are percentiles, 2.5 % and 97.5 %, over 2000 resamples of the records 
 import collections, csv, functools, random, statistics, sys
 
 forms = ("conventional conventional_two_sided symmetric joseph joseph_rank_two kalman information potter carlson ud "
-         "inverse_qr qr gentleman extended_qr").split()
+         "inverse_qr qr gentleman extended_qr ud_delta carlson_delta inverse_qr_delta").split()
 resamples = 2000
 
 
@@ -130,7 +130,7 @@ print("\nPer cent of cells within so many digits of the best:")
 heading("rule", "word", "cells", "0.5", "1", "broke down")
 rules = [("the whole record names it", lambda c: chosen(c, "named")),
          ("the first half names it", lambda c: chosen(c, "named_by_half"))]
-for f in ("ud", "gentleman", "qr", "carlson", "inverse_qr", "symmetric", "conventional"):
+for f in ("ud", "ud_delta", "gentleman", "qr", "carlson", "inverse_qr", "symmetric", "conventional"):
     rules.append((f"`{f}` always, same cells as the first half",
                   lambda c, f=f: c[f] if chosen(c, "named_by_half") else None))
 for name, pick in rules:
