@@ -79,9 +79,10 @@ Compared compared_of(int d, Index M, Index rows, bool prior, bool on_gpu) {
     for (Index k0 = 0; k0 < rows;) {
         Index const R = k0 < rows / 5 ? 1 : std::min<Index>(10, rows - k0);
         Matrix<T> psi(M, d * R), y(M, R);
+        Index const threads = M > 1000 ? 16 : 1;
         auto const work = [&](Index share) {
             Vector<T> row(d);
-            for (Index i = share; i < M; i += 16)
+            for (Index i = share; i < M; i += threads)
                 for (Index k = 0; k < R; ++k) {
                     row_of<T>(i, k0 + k, d, row.data(), y(i, k));
                     psi.row(i).segment(k * d, d) = row.transpose();
@@ -91,7 +92,7 @@ Compared compared_of(int d, Index M, Index rows, bool prior, bool on_gpu) {
                             detail::health_after(health[size_t(i)], own[size_t(i)].update(row, y(i, k)).health);
                 }
         };
-        detail::among_threads(16, work);
+        detail::among_threads(threads, work);
         if (fleet) fleet->update(psi, y);
         k0 += R;
     }

@@ -1,7 +1,7 @@
 // The checks and times of fleets on a GPU, for ./lab gpu:
 //   gpu_device check FORM [FILTERS [ROWS]]     each size of either arithmetic beside the library's filters
 //   gpu_device digests on|off                  what tests/gpu/digests.txt has, of a GPU or of the library's filters
-//   gpu_device bench FORM SECONDS              a table of times
+//   gpu_device bench FORM SECONDS [SIZE]       a table of times, from a size on
 #include "tests/gpu/compared.hpp"
 
 #include <rlslab/gpu/driver.hpp>
@@ -45,16 +45,17 @@ int digests(bool on_gpu) {
             }
     return wrong > 0;
 }
-int bench(std::string const& form, double seconds) {
+int bench(std::string const& form, double seconds, int least) {
     bool const is_h200 = driver::device_name().find("H200") != std::string::npos;
     double const rate = is_h200 ? 4.8e12 : 3.35e12;  // of the data sheet
     for (bool is_double : {false, true})
         for (int d : {4, 8, 16, 32}) {
+            if (d < least) continue;
             Timed one{};
-            for (auto const& [log2_M, rows] : {std::pair{20, 1}, {20, 64}, {22, 1}}) {
+            for (auto const& [log2_M, rows] : {std::pair{20, 1}, {22, 1}, {d > 16 ? 18 : d > 8 ? 19 : 20, 64}}) {
                 if (log2_M == 22 && d > 8) continue;
                 Timed const is = timed(form, is_double, d, 1L << log2_M, rows, seconds);
-                if (rows == 1) one = is;
+                if (log2_M == 20 && rows == 1) one = is;
                 std::printf("%-12s %-6s %2d parameters, 2^%d filters, %2d rows: %8.4f ns, %5.3f of the limit",
                             form.c_str(), is_double ? "double" : "float", d, log2_M, rows, is.ns,
                             is.bytes / rate * 1e9 / is.ns);
@@ -72,7 +73,7 @@ int main(int argc, char** argv) try {
     if (verb == "check" && argc > 2)
         return check(of, argc > 3 ? std::atol(argv[3]) : 4096, argc > 4 ? std::atol(argv[4]) : 300);
     if (verb == "digests" && argc > 2) return digests(of == "on");
-    if (verb == "bench" && argc > 3) return bench(of, std::atof(argv[3]));
+    if (verb == "bench" && argc > 3) return bench(of, std::atof(argv[3]), argc > 4 ? std::atoi(argv[4]) : 0);
     if (verb == "name") return std::puts(driver::device_name().c_str()) < 0;
     std::printf("gpu_device check FORM [FILTERS [ROWS]] | digests on|off | bench FORM SECONDS | name\n");
     return 2;

@@ -56,7 +56,8 @@ struct DeviceTeam {
         rlslab_##NAME##_##T##_team_##LANES##_##N(LaneRows<T> const in) {                                       \
         extern __attribute__((shared)) TwoNumbers<double> room[];                                                          \
         int const thread = __nvvm_read_ptx_sreg_tid_x(), team = thread / LANES;                                \
-        Index const filter = Index(__nvvm_read_ptx_sreg_ctaid_x()) * (512 / LANES) + team;                     \
+        Index const together = __nvvm_read_ptx_sreg_ntid_x() / LANES;                                          \
+        Index const filter = Index(__nvvm_read_ptx_sreg_ctaid_x()) * together + team;                          \
         if (filter >= in.filters) return;                                                                      \
         DeviceTeam const lanes{thread % LANES, LANES == 32 ? ~0u : 0xffffu << thread / 16 % 2 * 16};           \
         T* const own = reinterpret_cast<T*>(room) + team * team_room<LANES>(in.words);                      \

@@ -23,7 +23,7 @@ constexpr Index team_room(Index words) {
 }
 
 /// The steps that all forms share. Team: each(work) is work(lane) for each lane, all(test) whether it holds for all.
-/// N: the number of parameters, or Dynamic. room: team_room numbers of the team's own.
+/// N: the number of parameters, or 0 where the launch says it. room: team_room numbers of the team's own.
 template <class T, int lanes, int N>
 struct TeamOfRows {
     LaneRows<T> const& in;
@@ -36,7 +36,7 @@ struct TeamOfRows {
         : in(rows), filter(i), pairs(reinterpret_cast<TwoNumbers<T>*>(room)), psi(room + 2 * lanes),
           products(psi + lanes), f(products + lanes), x(f + lanes), part(x + lanes), sums(part + lanes), more(sums + 8),
           both(more + 8), record(both + 2) {}
-    int size() const { return N == Dynamic ? int(in.size) : N; }
+    int size() const { return N == 0 ? int(in.size) : N; }
 
     template <class Team, class Row>
     [[gnu::always_inline]] void take(Team const& team, Row const& row) {
@@ -81,7 +81,7 @@ struct TeamOfRows {
 private:
     /// All loads before the first store.
     [[gnu::always_inline]] void copy(T const* from, T* to, int i) const {
-        if constexpr (N == Dynamic) {
+        if constexpr (N == 0) {
             for (Index w = i; w < in.words; w += lanes) to[w] = from[w];
         } else {
             constexpr int most = (N + N * N + lanes - 1) / lanes;
