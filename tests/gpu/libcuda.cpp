@@ -64,9 +64,9 @@ std::map<std::string, Kernel> const& kernels() {
         for (Index i = 0; i < in.filters; ++i) team_##NAME<T, LANES, N>(HostTeam{LANES}, in, i, &room[0].mu); \
     };
         RLSLAB_WITH_TEAMS(4)
-        RLSLAB_WITH_TEAMS(8) RLSLAB_WITHOUT_TEAMS(4) RLSLAB_WITHOUT_TEAMS(8) RLSLAB_WITHOUT_TEAMS(16) RLSLAB_TEAMS(ud)
-            RLSLAB_TEAMS(ud_delta) RLSLAB_TEAMS(conventional) out["rlslab_ud_double_5"] =
-                as_lanes<Sabotaged<5, true>, 5>;
+        RLSLAB_WITH_TEAMS(8)
+        RLSLAB_WITHOUT_TEAMS(4) RLSLAB_WITHOUT_TEAMS(8) RLSLAB_WITHOUT_TEAMS(16) RLSLAB_TEAMS(ud) RLSLAB_TEAMS(ud_delta)
+            RLSLAB_TEAMS(conventional) out["rlslab_ud_double_5"] = as_lanes<Sabotaged<5, true>, 5>;
         out["rlslab_ud_double_6"] = as_lanes<Sabotaged<6, false>, 6>;
         return out;
     }();

@@ -54,8 +54,8 @@ public:
     Index rows() const { return rows_; }        ///< that each filter was shown
     Index bytes_per_filter() const { return words_ * Index(sizeof(T)); }
 
-    /// R rows for each filter, in order, one launch: psi is M x d R, the columns of row k from k d on; y is M x R. Throws
-    /// std::invalid_argument unless they are.
+    /// R rows for each filter, in order, one launch: psi is M x d R, the columns of row k from k d on; y is M x R.
+    /// Throws std::invalid_argument unless they are.
     void update(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Matrix<T> const> const& y) {
         Index const R = y.cols();
         expects(psi.rows() == filters_ && y.rows() == filters_ && R >= 1 && psi.cols() == size_ * R,

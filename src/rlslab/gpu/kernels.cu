@@ -54,7 +54,7 @@ struct DeviceTeam {
 #define RLSLAB_TEAM(NAME, T, LANES, N)                                                                         \
     extern "C" __attribute__((global)) void __attribute__((launch_bounds(512)))                                \
         rlslab_##NAME##_##T##_team_##LANES##_##N(LaneRows<T> const in) {                                       \
-        extern __attribute__((shared)) TwoNumbers<double> room[];                                                          \
+        extern __attribute__((shared)) TwoNumbers<double> room[];                                              \
         int const thread = __nvvm_read_ptx_sreg_tid_x(), team = thread / LANES;                                \
         Index const together = __nvvm_read_ptx_sreg_ntid_x() / LANES;                                          \
         Index const filter = Index(__nvvm_read_ptx_sreg_ctaid_x()) * together + team;                          \
