@@ -2,6 +2,7 @@
 // of the region in which all functions are compiled for both sides, and the little of libm that the variants call.
 #pragma once
 
+#ifdef __CUDA__  // for any other compiler the standard headers alone
 // as clang's own wrappers of the standard headers spell them
 #define __host__ __attribute__((host))
 #define __device__ __attribute__((device))
@@ -16,6 +17,7 @@ __device__ inline double ldexp(double x, int n) noexcept {
     return x * __nvvm_bitcast_ll2d(((long long)n + 1023) << 52);
 }
 }
+#endif
 
 #include <cstdlib>
 #include <new>
