@@ -63,9 +63,11 @@ std::map<std::string, Kernel> const& kernels() {
         std::vector<TwoNumbers<T>> room(size_t(team_room<LANES>(in.words) / 2));                              \
         for (Index i = 0; i < in.filters; ++i) team_##NAME<T, LANES, N>(HostTeam{LANES}, in, i, &room[0].mu); \
     };
-        RLSLAB_WITH_TEAMS(4)
-        RLSLAB_WITH_TEAMS(8)
-        RLSLAB_WITHOUT_TEAMS(4) RLSLAB_WITHOUT_TEAMS(8) RLSLAB_WITHOUT_TEAMS(16) RLSLAB_TEAMS(ud) RLSLAB_TEAMS(ud_delta)
+        // clang-format off
+        RLSLAB_WITH_TEAMS(4) RLSLAB_WITH_TEAMS(8)
+        RLSLAB_WITHOUT_TEAMS(4) RLSLAB_WITHOUT_TEAMS(8) RLSLAB_WITHOUT_TEAMS(16)
+        RLSLAB_TEAMS(ud) RLSLAB_TEAMS(ud_delta) RLSLAB_TEAMS(conventional)
+            // clang-format on
             RLSLAB_TEAMS(conventional) out["rlslab_ud_double_5"] = as_lanes<Sabotaged<5, true>, 5>;
         out["rlslab_ud_double_6"] = as_lanes<Sabotaged<6, false>, 6>;
         return out;
