@@ -28,6 +28,8 @@ class Fleet(_core.Fleet):
         The number of parameters d of each.
     forgetting, prior_variance, prior_theta, prior_covariance, dtype
         As of `rlslab.Filter`, the same for all.
+    device : {"cpu", "cuda"}
+        "cuda": on a GPU, with the same bits; what is made then is a `CudaFleet` (`docs/gpu.md`).
 
     Raises
     ------
@@ -57,12 +59,17 @@ class Fleet(_core.Fleet):
         prior_theta: ArrayLike | None = None,
         prior_covariance: ArrayLike | None = None,
         dtype: DTypeLike = "float64",
+        device: str = "cpu",
     ) -> Self:
         arguments = _options.arguments(
             variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, filters=filters
         )
         if arguments[-1] < 1:
             raise ValueError("expected filters >= 1")
+        if _options.one_of(device, ("cpu", "cuda"), "device") == "cuda":
+            from ._cuda import CudaFleet
+
+            return CudaFleet(variant, arguments[-1], arguments[2], arguments[3:7], np.dtype(dtype))  # type: ignore
         self = super().__new__(cls, *arguments)
         self._made = {
             "variant": variant,

@@ -1,0 +1,153 @@
+// NVIDIA's driver by dlopen, and the library's PTX as data.
+#include <rlslab/gpu/driver.hpp>
+
+#include <dlfcn.h>
+
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+asm(".section .rodata\n"
+    ".global rlslab_ptx_first\n"
+    "rlslab_ptx_first: .incbin \"" RLSLAB_PTX
+    "\"\n"
+    ".global rlslab_ptx_last\n"
+    "rlslab_ptx_last: .byte 0\n"
+    ".previous\n");
+extern "C" char const rlslab_ptx_first[], rlslab_ptx_last[];
+
+namespace rlslab::gpu::driver {
+namespace {
+
+using Address = unsigned long long;  // CUdeviceptr
+using Result = int;                  // CUresult: 0 is success
+
+/// The functions that are called, by their names in libcuda.
+struct Functions {
+    Result (*cuInit)(unsigned);
+    Result (*cuGetErrorString)(Result, char const**);
+    Result (*cuDeviceGet)(int*, int);
+    Result (*cuDeviceGetName)(char*, int, int);
+    Result (*cuDevicePrimaryCtxRetain)(void**, int);
+    Result (*cuCtxSetCurrent)(void*);
+    Result (*cuCtxSynchronize)();
+    Result (*cuModuleLoadData)(void**, void const*);
+    Result (*cuModuleGetFunction)(void**, void*, char const*);
+    Result (*cuFuncSetAttribute)(void*, int, int);
+    Result (*cuMemAlloc_v2)(Address*, std::size_t);
+    Result (*cuMemFree_v2)(Address);
+    Result (*cuMemcpyHtoD_v2)(Address, void const*, std::size_t);
+    Result (*cuMemcpyDtoH_v2)(void*, Address, std::size_t);
+    Result (*cuLaunchKernel)(void*, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**,
+                             void**);
+};
+
+class Driver {
+    void* library_ = nullptr;
+    void* context_ = nullptr;
+    std::map<std::string, void*> kernels_;
+    std::mutex mutex_;  // guards kernels_
+
+    template <class Function>
+    void find(Function& f, char const* name) {
+        f = reinterpret_cast<Function>(dlsym(library_, name));
+        if (!f) throw std::runtime_error(std::string("no GPU: libcuda.so.1 has no ") + name);
+    }
+
+public:
+    Functions call{};
+    int device = 0;
+
+    Driver() {
+        library_ = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
+        if (!library_) throw std::runtime_error("no GPU: libcuda.so.1, NVIDIA's driver, is not installed");
+#define RLSLAB_FIND(NAME) find(call.NAME, #NAME)
+        RLSLAB_FIND(cuInit), RLSLAB_FIND(cuGetErrorString), RLSLAB_FIND(cuDeviceGet), RLSLAB_FIND(cuDeviceGetName);
+        RLSLAB_FIND(cuDevicePrimaryCtxRetain), RLSLAB_FIND(cuCtxSetCurrent), RLSLAB_FIND(cuCtxSynchronize);
+        RLSLAB_FIND(cuModuleLoadData), RLSLAB_FIND(cuModuleGetFunction), RLSLAB_FIND(cuFuncSetAttribute);
+        RLSLAB_FIND(cuMemAlloc_v2), RLSLAB_FIND(cuMemFree_v2), RLSLAB_FIND(cuMemcpyHtoD_v2);
+        RLSLAB_FIND(cuMemcpyDtoH_v2), RLSLAB_FIND(cuLaunchKernel);
+#undef RLSLAB_FIND
+        check(call.cuInit(0), "no GPU");
+        check(call.cuDeviceGet(&device, 0), "no GPU");
+        check(call.cuDevicePrimaryCtxRetain(&context_, device), "no context on the GPU");
+        use();
+    }
+    /// This thread works in the GPU's context from now on.
+    void use() { check(call.cuCtxSetCurrent(context_), "no context on the GPU"); }
+    void check(Result result, std::string const& what) const {
+        if (result == 0) return;
+        char const* words = nullptr;
+        call.cuGetErrorString(result, &words);
+        throw std::runtime_error(what + ": " + (words ? words : "error " + std::to_string(result)));
+    }
+    void* kernel(std::string const& name) {
+        std::lock_guard const lock(mutex_);
+        void*& out = kernels_[name];
+        if (out) return out;
+        void* module = nullptr;
+        check(call.cuModuleLoadData(&module, with_one_entry(name).c_str()), "the driver does not compile " + name);
+        check(call.cuModuleGetFunction(&out, module, name.c_str()), "no kernel " + name);
+        return out;
+    }
+    /// The PTX that holds this kernel, without the others: the driver compiles one in a moment, all in a minute. The
+    /// parts (kernels.cu) stand one after another, each from its .version on.
+    static std::string with_one_entry(std::string const& name) {
+        std::string_view const all = ptx(), start = ".visible .entry ";
+        std::size_t const at = all.find(std::string(start) + name + "(");
+        if (at == all.npos) throw std::runtime_error("no kernel " + name);
+        std::size_t const first = all.rfind("\n.version", at) + 1, behind = all.find("\n.version", at);
+        std::string_view part = all.substr(first, behind == all.npos ? all.npos : behind - first);
+        std::string out;
+        while (!part.empty()) {
+            std::size_t const entry = std::min(part.find(start), part.size());
+            out += part.substr(0, entry);
+            part.remove_prefix(entry);
+            std::size_t const end = part.empty() ? 0 : part.find("\n}\n") + 3;
+            if (part.substr(0, end).starts_with(std::string(start) + name + "(")) out += part.substr(0, end);
+            part.remove_prefix(end);
+        }
+        return out;
+    }
+};
+Driver& driver() {
+    static Driver the_first;
+    the_first.use();
+    return the_first;
+}
+
+}  // namespace
+
+void start() { driver(); }
+std::string device_name() {
+    char name[256] = {};
+    driver().check(driver().call.cuDeviceGetName(name, sizeof name - 1, driver().device), "no name of the GPU");
+    return name;
+}
+void wait() { driver().check(driver().call.cuCtxSynchronize(), "the GPU failed"); }
+void* kernel(std::string const& name) { return driver().kernel(name); }
+void launch(void* kernel, std::size_t blocks, unsigned threads, std::size_t shared, void const* argument) {
+    constexpr int most_dynamic_shared = 8;  // CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES
+    Driver& d = driver();
+    if (shared > 48 * 1024)
+        d.check(d.call.cuFuncSetAttribute(kernel, most_dynamic_shared, int(shared)), "too little shared memory");
+    void* arguments[] = {const_cast<void*>(argument)};
+    d.check(d.call.cuLaunchKernel(kernel, unsigned(blocks), 1, 1, threads, 1, 1, unsigned(shared), nullptr, arguments,
+                                  nullptr),
+            "the GPU does not start");
+}
+std::string_view ptx() { return {rlslab_ptx_first, std::size_t(rlslab_ptx_last - rlslab_ptx_first)}; }
+std::uint64_t allocate(std::size_t bytes) {
+    Address at = 0;
+    if (bytes > 0) driver().check(driver().call.cuMemAlloc_v2(&at, bytes), std::to_string(bytes) + " bytes on the GPU");
+    return at;
+}
+void release(std::uint64_t at) noexcept { driver().call.cuMemFree_v2(at); }
+void to_device(std::uint64_t to, void const* from, std::size_t bytes) {
+    if (bytes > 0) driver().check(driver().call.cuMemcpyHtoD_v2(to, from, bytes), "no copy to the GPU");
+}
+void from_device(void* to, std::uint64_t from, std::size_t bytes) {
+    if (bytes > 0) driver().check(driver().call.cuMemcpyDtoH_v2(to, from, bytes), "no copy from the GPU");
+}
+
+}  // namespace rlslab::gpu::driver
