@@ -61,7 +61,7 @@ bool preferred(Result const& a, Result const& b) {
 double wanted_digits(CompareOptions const& options) { return options.digits.value_or(enough_digits); }
 
 bool is_usable(Result const& r, double wanted) {
-    return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P;
+    return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P && !r.foretold;
 }
 
 Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
