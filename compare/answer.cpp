@@ -57,12 +57,13 @@ std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& 
                        lost.broken + lost.others.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
 }
 
-/// What the recommended one loses to the best of each measure, where it does, then the runner-up and `conventional`; or
-/// "".
+/// What the recommended one loses to the best of each measure, where it does, then the runner-up (but not the one of
+/// beside_text) and `conventional`; or "".
 std::string losses_text(Comparison const& c, Recommendation const& r) {
     std::vector<std::string> out;
     for (size_t i = 0; i < r.losses.size(); ++i)
-        if (i > 0 || r.losses[i].digits > 0) out.push_back(loss_text(c, r, r.losses[i], i == 1, out.empty()));
+        if ((i > 0 || r.losses[i].digits > 0) && (i != 1 || r.losses[i].variant != r.cheapest))
+            out.push_back(loss_text(c, r, r.losses[i], i == 1, out.empty()));
     return fmt::format("{}", fmt::join(out, "; "));
 }
 

@@ -91,7 +91,7 @@ std::vector<std::string> other_orders_text(Comparison const& c, std::string_view
         };
         std::string const broke =
             r.others.broken > 0 ? fmt::format(", broke down in {} of {}", r.others.broken, r.others.runs) : "";
-        out.push_back(fmt::format("{} {:<22}", is_recommended(c, r) ? '*' : ' ', r.entry->variant) +
+        out.push_back(fmt::format("{} {:<23}", is_recommended(c, r) ? '*' : ' ', r.entry->variant) +
                       (r.others.spread ? fmt::format("theta {}, worst {}, P {}", kept(r.others.spread->theta),
                                                      kept(r.others.spread->worst), kept(r.others.spread->covariance))
                                        : "no exact solution") +
