@@ -29,7 +29,10 @@ std::string listed(std::vector<std::string> const& items, std::string const& ind
     return out;
 }
 
-std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("{:.1f}", digits + 0.0) : "-"; }
+std::string tenths(double digits) {
+    if (!std::isfinite(digits)) return "-";
+    return fmt::format("{:.{}f}", digits + 0.0, digits < -9.94 ? 0 : 1);  // four letters, the width of a column
+}
 
 std::string breakdown_text(Result const& r) {
     if (!r.obstacle.empty()) return "-";

@@ -14,7 +14,7 @@ inline constexpr double most_offset = 2;
 /// "first, second, third" in lines of that width; it begins at column `at`, further lines with `indent`.
 std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at);
 
-/// Digits to a tenth; "-" where there are none.
+/// Digits to a tenth, below -9.9 to one; "-" where there are none.
 std::string tenths(double digits);
 
 /// "none", "indefinite at 25", "in 2 of 4 draws", "in 1 of 3 orders" (other ones than the record's), "about row 11000".

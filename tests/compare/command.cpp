@@ -68,7 +68,7 @@ TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     refused("compare " + sales + " --all --arithmetic float", "--all --arithmetic");
     std::string const out = text(sales);
     std::string const in_float = recommended(compared(sales), 0);
-    size_t const verdict = out.find("\nin float   use " + in_float + "  keeps "),
+    size_t const verdict = out.find("\nin float   use " + in_float + " "),
                  code = out.find("\n    #include <rlslab/variants/" + in_float + ".hpp>\n"),
                  table = out.find("\nfloat (24 bits");
     ASSERT_NE(verdict, out.npos) << out;

@@ -42,7 +42,7 @@ TEST_F(CompareDoubts, AConstantColumnIsRefusedWhateverItsValue) {
     for (size_t k = 0; k < 120; ++k) y[k] = 2 * x[k] + 0.1 * e[k] + 3;
     for (double const c : {0.5, 7.0, 0.1, 0.0125, 273.15, 1.0 / 3, 3.14159, 1e9 + 0.1, -0.7, 1e-30}) {
         write("still.csv", csv("c,x,y", {Signal(120, c), x, y}));
-        refused("compare still.csv --regressors c,x --output y --detrend", "still constant: c");
+        refused("compare still.csv --regressors c,x --output y --detrend", "constant: c");
     }
     write("gaps.csv", "c,x,y\n0.1,1,2\n,2,3\n0.1,4,4\n0.1,3,9\n0.1,7,5\n");
     refused("compare gaps.csv --regressors c,x --output y --detrend", "constant: c");
@@ -84,7 +84,7 @@ TEST_F(CompareDoubts, ASpikeIsNamedAsIdentifyNamesItAndTheGuardStays) {
     EXPECT_THAT(three["digits"]["warnings"].get<std::vector<std::string>>(), Contains(Names("4001")));
 }
 
-/// Six regressors and a constant; one of them lies at 100 +- 5. The loss that is foretold is the one that is measured.
+/// Six regressors and a constant; one of them lies at 100 +- 5. A form that stores P loses, at most what is said.
 TEST_F(CompareDoubts, AnOffsetIsSaidToCostWhatItCosts) {
     constexpr int n = 500;
     std::vector<Signal> x;
@@ -98,7 +98,7 @@ TEST_F(CompareDoubts, AnOffsetIsSaidToCostWhatItCosts) {
     columns.push_back(y);
     write("offset.csv", csv("x1,x2,x3,x4,x5,x6,y", columns));
     std::string const model =
-        "compare offset.csv --regressors x1,x2,x3,x4,x5,x6 --intercept --output y --variants ud --arithmetic float";
+        "compare offset.csv --regressors x1,x2,x3,x4,x5,x6 --intercept --output y --variants symmetric --arithmetic float";
     auto const worst = [](json const& a) { return a["results"][0]["spread"]["worst"]["median"].get<double>(); };
     json const as_it_is = answer(model);
     Signal centred = columns[5];
@@ -112,7 +112,8 @@ TEST_F(CompareDoubts, AnOffsetIsSaidToCostWhatItCosts) {
     double told = 0;
     std::string const& sentence = *std::ranges::find_if(said, [](std::string const& s) { return s.starts_with("x6"); });
     ASSERT_EQ(std::sscanf(sentence.c_str() + sentence.find("about "), "about %lf", &told), 1) << sentence;
-    EXPECT_NEAR(told, worst(without) - worst(as_it_is), 0.5);
+    EXPECT_GT(worst(without) - worst(as_it_is), 0);
+    EXPECT_LT(worst(without) - worst(as_it_is), told + 0.5);
 }
 
 /// A column that is another plus 2, beside a constant; and shares that add to 1.
