@@ -1,14 +1,8 @@
 // Fleets on a GPU behind C functions, for python/rlslab/_cuda.py: a library of its own, which no Python's version
 // matters to. Each function returns 0, or writes one sentence to `words` (256 characters) and returns 1.
 #include <rlslab/gpu/fleet.hpp>
+#include <rlslab/gpu/kernels.hpp>
 #include <rlslab/state/state.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
 
 #include <memory>
 
@@ -17,11 +11,10 @@ namespace {
 
 struct AnyFleet {
     virtual ~AnyFleet() = default;
+    /// strides: of psi's filters and parameters and of y's filters, in numbers, of rows on the GPU; null: the host's.
     virtual void update(void const* psi, void const* y, std::int64_t const* strides) = 0;
-    virtual void update_of_host(void const* psi, void const* y) = 0;
-    virtual void thetas(double* to) const = 0;
-    virtual void healths(unsigned char* to) const = 0;
-    virtual std::int64_t missing() const = 0;
+    /// What is not null.
+    virtual void read(double* thetas, unsigned char* healths, std::int64_t* missing) const = 0;
     virtual std::vector<std::byte> state() const = 0;
     virtual StateFault load(std::span<std::byte const> from) = 0;
 };
@@ -31,42 +24,32 @@ struct FleetOf : AnyFleet {
     Fleet<F> fleet;
     FleetOf(Index filters, Problem<double> const& problem)
         : fleet(filters, problem.mapped<T>([](double x) { return T(x); })) {}
-    /// strides: of psi's filters and parameters and of y's filters, in numbers.
     void update(void const* psi, void const* y, std::int64_t const* strides) override {
+        T const *const P = static_cast<T const*>(psi), *const v = static_cast<T const*>(y);
+        Index const M = fleet.filters(), d = fleet.parameters();
+        if (!strides) return fleet.update(Eigen::Map<Matrix<T> const>(P, M, d), Eigen::Map<Vector<T> const>(v, M));
         driver::wait();  // for whoever makes the rows, on any stream
-        fleet.update(RowsThere<T>{static_cast<T const*>(psi), static_cast<T const*>(y), 1, Index(strides[0]),
-                                  Index(strides[1]), 0, Index(strides[2]), 0});
+        fleet.update(RowsThere<T>{P, v, 1, Index(strides[0]), Index(strides[1]), 0, Index(strides[2]), 0});
         driver::wait();
     }
-    void update_of_host(void const* psi, void const* y) override {
-        Index const M = fleet.filters();
-        fleet.update(Eigen::Map<Matrix<T> const>(static_cast<T const*>(psi), M, fleet.parameters()),
-                     Eigen::Map<Vector<T> const>(static_cast<T const*>(y), M));
+    void read(double* thetas, unsigned char* healths, std::int64_t* missing) const override {
+        if (thetas)
+            Eigen::Map<Matrix<double>>(thetas, fleet.filters(), fleet.parameters()) =
+                fleet.thetas().template cast<double>();
+        if (healths)
+            for (Health const health : fleet.healths()) *healths++ = static_cast<unsigned char>(health);
+        if (missing) *missing = fleet.counts().missing;
     }
-    void thetas(double* to) const override {
-        Eigen::Map<Matrix<double>>(to, fleet.filters(), fleet.parameters()) = fleet.thetas().template cast<double>();
-    }
-    void healths(unsigned char* to) const override {
-        for (Health const health : fleet.healths()) *to++ = static_cast<unsigned char>(health);
-    }
-    std::int64_t missing() const override { return fleet.counts().missing; }
     std::vector<std::byte> state() const override { return state_of(fleet); }
     StateFault load(std::span<std::byte const> from) override { return rlslab::load(fleet, from); }
 };
-template <template <class, int> class... Forms>
 std::unique_ptr<AnyFleet> made(std::string_view form, bool is_double, Index filters, Problem<double> const& problem) {
     std::unique_ptr<AnyFleet> out;
-    auto const one = [&]<class OfDouble, class OfFloat>(std::type_identity<OfDouble>, std::type_identity<OfFloat>) {
-        if (form != OfDouble::name) return;
-        if (is_double) out = std::make_unique<FleetOf<OfDouble>>(filters, problem);
-        else out = std::make_unique<FleetOf<OfFloat>>(filters, problem);
-    };
-    (one(std::type_identity<Forms<double, Dynamic>>{}, std::type_identity<Forms<float, Dynamic>>{}), ...);
-    if (!out)
-        throw std::invalid_argument(
-            "no fleet of " + std::string(form) +
-            " on a GPU; there are ud, ud_delta, conventional, carlson, gentleman, qr, inverse_qr");
-    return out;
+    auto const make = [&]<class F>(std::type_identity<F>) { out = std::make_unique<FleetOf<F>>(filters, problem); };
+    if (is_double ? of_form<double>(form, make) : of_form<float>(form, make)) return out;
+    std::string others;
+    for (std::string_view const other : forms) others += (others.empty() ? "" : ", ") + std::string(other);
+    throw std::invalid_argument("no fleet of " + std::string(form) + " on a GPU; there are " + others);
 }
 template <class Work>
 int told(char* words, Work const& work) {
@@ -98,27 +81,17 @@ EXPORTED int rlslab_gpu_make(AnyFleet** out, char const* form, int is_double, st
             if (covariance)
                 problem.prior->covariance = Eigen::Map<rlslab::Matrix<double> const>(covariance, size, size);
         }
-        using namespace rlslab;
-        *out = gpu::made<Ud, UdDelta, Conventional, Carlson, Gentleman, Qr, InverseQr>(form, is_double != 0, filters,
-                                                                                       problem)
-                   .release();
+        *out = rlslab::gpu::made(form, is_double != 0, filters, problem).release();
     });
 }
 EXPORTED void rlslab_gpu_drop(AnyFleet* fleet) { delete fleet; }
 EXPORTED int rlslab_gpu_update(AnyFleet* fleet, void const* psi, void const* y, std::int64_t const* strides,
                                char* words) {
-    return told(words, [&] {
-        if (strides) fleet->update(psi, y, strides);
-        else fleet->update_of_host(psi, y);
-    });
+    return told(words, [&] { fleet->update(psi, y, strides); });
 }
 EXPORTED int rlslab_gpu_read(AnyFleet* fleet, double* thetas, unsigned char* healths, std::int64_t* missing,
                              char* words) {
-    return told(words, [&] {
-        if (thetas) fleet->thetas(thetas);
-        if (healths) fleet->healths(healths);
-        if (missing) *missing = fleet->missing();
-    });
+    return told(words, [&] { fleet->read(thetas, healths, missing); });
 }
 /// The bytes of the state, or how many they are where `to` is null.
 EXPORTED int rlslab_gpu_state(AnyFleet* fleet, char* to, std::int64_t* bytes, char* words) {

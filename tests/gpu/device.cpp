@@ -8,44 +8,42 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 
 using namespace rlslab::gpu;
 
 namespace {
 
-int check(std::string const& form, long M, long rows) {
+int check(std::string_view form, long M, long rows) {
     long different = 0, count = 0;
     for (int d : {1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16, 20, 32})
         for (bool is_double : {false, true}) {
             Compared const is = compared(form, is_double, d, M, rows);
             ++count, different += is.different > 0;
             if (is.different > 0)
-                std::printf("%s %s %d: %ld filters differ, first %ld\n", form.c_str(), is_double ? "double" : "float",
-                            d, is.different, is.first);
+                std::printf("%s %s %d: %ld filters differ, first %ld\n", form.data(), is_double ? "double" : "float", d,
+                            is.different, is.first);
         }
     for (auto const& [d, is_double] : {std::pair{4, true}, {12, false}, {32, true}})
         for (std::string const& what : lost_on_the_way(form, is_double, d))
-            std::printf("%s %d: %s is lost on the way\n", form.c_str(), d, what.c_str()), ++different;
+            std::printf("%s %d: %s is lost on the way\n", form.data(), d, what.c_str()), ++different;
     if (form == "qr" || form == "gentleman")
         for (int d : {4, 16}) ++count, different += compared(form, true, d, M, rows, false).different > 0;
-    std::printf("%s: %ld compared, %ld different (%ld filters, %ld rows)\n", form.c_str(), count, different, M, rows);
+    std::printf("%s: %ld compared, %ld different (%ld filters, %ld rows)\n", form.data(), count, different, M, rows);
     return different > 0;
 }
 int digests(bool on_gpu) {
     int wrong = 0;
-    for (std::string const& form : forms())
+    for (std::string_view form : forms)
         for (int d : {4, 8, 16})
             for (bool is_double : {false, true}) {
                 Compared const is = compared(form, is_double, d, 128, 200, true, on_gpu);
                 wrong += is.different > 0;
-                if (is.different == 0)
-                    std::printf("%s %s %d %016llx\n", form.c_str(), is_double ? "double" : "float", d,
-                                static_cast<unsigned long long>(is.digest));
+                if (is.different > 0) continue;
+                std::printf("%s %s %d %016lx\n", form.data(), is_double ? "double" : "float", d, is.digest);
             }
     return wrong > 0;
 }
-int bench(std::string const& form, double seconds, int least) {
+int bench(std::string_view form, double seconds, int least) {
     bool const is_h200 = driver::device_name().find("H200") != std::string::npos;
     double const rate = is_h200 ? 4.8e12 : 3.35e12;  // of the data sheet
     for (bool is_double : {false, true})
@@ -57,7 +55,7 @@ int bench(std::string const& form, double seconds, int least) {
                 Timed const is = timed(form, is_double, d, 1L << log2_M, rows, seconds);
                 if (log2_M == 20 && rows == 1) one = is;
                 std::printf("%-12s %-6s %2d parameters, 2^%d filters, %2d rows: %8.4f ns, %5.3f of the limit",
-                            form.c_str(), is_double ? "double" : "float", d, log2_M, rows, is.ns,
+                            form.data(), is_double ? "double" : "float", d, log2_M, rows, is.ns,
                             is.bytes / rate * 1e9 / is.ns);
                 if (rows > 1) std::printf(", %5.3f of one row's time", is.ns / one.ns);
                 std::printf("\n"), std::fflush(stdout);

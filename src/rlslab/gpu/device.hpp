@@ -19,39 +19,7 @@ __device__ inline double ldexp(double x, int n) noexcept {
 }
 #endif
 
-#include <cstdlib>
-#include <new>
-
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cassert>
-#include <climits>
-#include <cmath>
-#include <complex>
-#include <concepts>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <functional>
-#include <initializer_list>
-#include <iosfwd>
-#include <iostream>
-#include <limits>
-#include <map>
-#include <memory>
-#include <numeric>
-#include <optional>
-#include <span>
-#include <sstream>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <type_traits>
-#include <utility>
-#include <variant>
-#include <vector>
+#include <bits/stdc++.h>  // all of them
 #ifdef __x86_64__
 #include <emmintrin.h>
 #endif

@@ -22,24 +22,20 @@ namespace {
 using Address = unsigned long long;  // CUdeviceptr
 using Result = int;                  // CUresult: 0 is success
 
-/// The functions that are called, by their names in libcuda.
+/// The functions of libcuda that are called, and what they take.
+// clang-format off
+#define RLSLAB_FUNCTIONS(F)                                                                                         \
+    F(cuInit, unsigned) F(cuGetErrorString, Result, char const**) F(cuDeviceGet, int*, int) F(cuCtxSynchronize)     \
+    F(cuDeviceGetName, char*, int, int) F(cuDevicePrimaryCtxRetain, void**, int) F(cuCtxSetCurrent, void*)          \
+    F(cuModuleLoadData, void**, void const*) F(cuModuleGetFunction, void**, void*, char const*)                     \
+    F(cuFuncSetAttribute, void*, int, int) F(cuMemAlloc_v2, Address*, std::size_t) F(cuMemFree_v2, Address)         \
+    F(cuMemcpyHtoD_v2, Address, void const*, std::size_t) F(cuMemcpyDtoH_v2, void*, Address, std::size_t)           \
+    F(cuLaunchKernel, void*, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**, \
+      void**)
+// clang-format on
 struct Functions {
-    Result (*cuInit)(unsigned);
-    Result (*cuGetErrorString)(Result, char const**);
-    Result (*cuDeviceGet)(int*, int);
-    Result (*cuDeviceGetName)(char*, int, int);
-    Result (*cuDevicePrimaryCtxRetain)(void**, int);
-    Result (*cuCtxSetCurrent)(void*);
-    Result (*cuCtxSynchronize)();
-    Result (*cuModuleLoadData)(void**, void const*);
-    Result (*cuModuleGetFunction)(void**, void*, char const*);
-    Result (*cuFuncSetAttribute)(void*, int, int);
-    Result (*cuMemAlloc_v2)(Address*, std::size_t);
-    Result (*cuMemFree_v2)(Address);
-    Result (*cuMemcpyHtoD_v2)(Address, void const*, std::size_t);
-    Result (*cuMemcpyDtoH_v2)(void*, Address, std::size_t);
-    Result (*cuLaunchKernel)(void*, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**,
-                             void**);
+#define RLSLAB_MEMBER(NAME, ...) Result (*NAME)(__VA_ARGS__);
+    RLSLAB_FUNCTIONS(RLSLAB_MEMBER)
 };
 
 class Driver {
@@ -61,13 +57,8 @@ public:
     Driver() {
         library_ = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
         if (!library_) throw std::runtime_error("no GPU: libcuda.so.1, NVIDIA's driver, is not installed");
-#define RLSLAB_FIND(NAME) find(call.NAME, #NAME)
-        RLSLAB_FIND(cuInit), RLSLAB_FIND(cuGetErrorString), RLSLAB_FIND(cuDeviceGet), RLSLAB_FIND(cuDeviceGetName);
-        RLSLAB_FIND(cuDevicePrimaryCtxRetain), RLSLAB_FIND(cuCtxSetCurrent), RLSLAB_FIND(cuCtxSynchronize);
-        RLSLAB_FIND(cuModuleLoadData), RLSLAB_FIND(cuModuleGetFunction), RLSLAB_FIND(cuFuncSetAttribute);
-        RLSLAB_FIND(cuMemAlloc_v2), RLSLAB_FIND(cuMemFree_v2), RLSLAB_FIND(cuMemcpyHtoD_v2);
-        RLSLAB_FIND(cuMemcpyDtoH_v2), RLSLAB_FIND(cuLaunchKernel);
-#undef RLSLAB_FIND
+#define RLSLAB_FIND(NAME, ...) find(call.NAME, #NAME);
+        RLSLAB_FUNCTIONS(RLSLAB_FIND)
         check(call.cuInit(0), "no GPU");
         check(call.cuDeviceGet(&device, 0), "no GPU");
         check(call.cuDevicePrimaryCtxRetain(&context_, device), "no context on the GPU");

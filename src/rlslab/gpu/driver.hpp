@@ -9,6 +9,10 @@
 
 namespace rlslab::gpu {
 
+/// The variants that have kernels (gpu/kernels.hpp).
+inline constexpr std::string_view forms[] = {"ud",        "ud_delta", "conventional", "carlson",
+                                             "gentleman", "qr",       "inverse_qr"};
+
 /// The GPU that the driver names first, in the context that its other users in this process have (torch, cupy, jax).
 /// Work goes to its default stream, in order. All throw std::runtime_error with the driver's words.
 namespace driver {

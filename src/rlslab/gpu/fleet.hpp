@@ -67,21 +67,22 @@ public:
     /// stream.
     void update(RowsThere<T> const& rows) {
         upload();
-        detail::LaneRows<T> in{.records = records_.data(),
-                               .psi = rows.psi,
-                               .y = rows.y,
-                               .health = health_.data(),
-                               .missing = missing_.data(),
-                               .filters = filters_,
-                               .rows = rows.rows,
-                               .size = size_,
-                               .words = words_,
-                               .psi_filter = rows.psi_filter,
-                               .psi_parameter = rows.psi_parameter,
-                               .psi_row = rows.psi_row,
-                               .y_filter = rows.y_filter,
-                               .y_row = rows.y_row,
-                               .constants = {}};
+        detail::LaneRows<T> in{records_.data(),
+                               rows.psi,
+                               rows.y,
+                               health_.data(),
+                               missing_.data(),
+                               filters_,
+                               rows.rows,
+                               size_,
+                               words_,
+                               rows.psi_filter,
+                               rows.psi_parameter,
+                               rows.psi_row,
+                               rows.y_filter,
+                               rows.y_row,
+                               0,
+                               {}};
         detail::LaneWriting<T> constants(in.constants, 1);
         detail::constants_of(fresh_, constants);
         std::string kernel = "rlslab_" + std::string(name) + (sizeof(T) == 8 ? "_double_" : "_float_");
@@ -89,10 +90,11 @@ public:
             driver::launch(driver::kernel(kernel + std::to_string(size_)), size_t((filters_ + 127) / 128), 128, 0, &in);
         } else {
             Index const lanes = size_ <= 16 ? 16 : 32, together = team_threads / lanes;
-            Index const room = lanes == 16 ? detail::team_room<16>(words_) : detail::team_room<32>(words_);
+            Index const of_record = name == "conventional" ? 0 : words_;
+            in.room = lanes == 16 ? detail::team_room<16>(of_record) : detail::team_room<32>(of_record);
             kernel += "team_" + std::to_string(lanes) + "_" + std::to_string(size_ == lanes ? lanes : 0);
             driver::launch(driver::kernel(kernel), size_t((filters_ + together - 1) / together), team_threads,
-                           size_t(together * room) * sizeof(T), &in);
+                           size_t(together * in.room) * sizeof(T), &in);
         }
         rows_ += rows.rows;
     }
@@ -104,13 +106,7 @@ public:
         each([&](Index i, F& one) { out.row(i) = one.theta().transpose(); });
         return out;
     }
-    Health health(Index i) const {
-        check(i);
-        unsigned char out = 0;
-        upload();
-        health_.read(size_t(i), &out, 1);
-        return Health(out);
-    }
+    Health health(Index i) const { return Health(one_of(health_, i)); }
     std::vector<Health> healths() const {
         std::vector<unsigned char> codes = all_of(health_);
         std::vector<Health> out(codes.size());
@@ -119,11 +115,8 @@ public:
     }
     /// Samples of filter i, or of all.
     FleetCounts counts(Index i) const {
-        check(i);
-        unsigned missing = 0;
-        upload();
-        missing_.read(size_t(i), &missing, 1);
-        return {rows_ - Index(missing), Index(missing)};
+        Index const missing = one_of(missing_, i);
+        return {rows_ - missing, missing};
     }
     FleetCounts counts() const {
         FleetCounts out{rows_ * filters_, 0};
@@ -137,7 +130,10 @@ public:
         upload();
         std::vector<T> tile(size_t(words_ * this->tile()));
         records_.read(size_t(i / this->tile()) * tile.size(), tile.data(), tile.size());
-        return read(tile.data() + i % this->tile());
+        F out = fresh_;
+        detail::LaneReading<T> from(tile.data() + i % this->tile(), this->tile());
+        detail::pieces_of(out, from);
+        return out;
     }
     /// And back: filter i goes on as this one, of the fleet's size and forgetting. Its health is sound, or undetermined
     /// where theta is not finite. Throws std::invalid_argument for another.
@@ -212,12 +208,6 @@ private:
     Index tile() const { return is_team() ? 1 : detail::lanes_a_tile; }
     Index groups() const { return (filters_ + tile() - 1) / tile(); }
     void check(Index i) const { expects(0 <= i && i < filters_, "the number of a filter that is there"); }
-    F read(T const* record) const {
-        F out = fresh_;
-        detail::LaneReading<T> from(record, tile());
-        detail::pieces_of(out, from);
-        return out;
-    }
     void begin() {
         Index const of_group = words_ * tile(), some = std::max<Index>(1, (Index(1) << 20) / of_group);
         std::vector<T> held(size_t(some * of_group));
@@ -232,6 +222,14 @@ private:
         missing_.write(0, std::vector<unsigned>(size_t(filters_), 0).data(), size_t(filters_));
     }
     template <class X>
+    X one_of(Memory<X> const& memory, Index i) const {
+        check(i);
+        upload();
+        X out{};
+        memory.read(size_t(i), &out, 1);
+        return out;
+    }
+    template <class X>
     std::vector<X> all_of(Memory<X> const& memory) const {
         upload();
         std::vector<X> out(memory.size());
@@ -239,11 +237,9 @@ private:
         return out;
     }
     T const* copied(Eigen::Ref<Matrix<T> const> const& rows, Memory<T>& to) {
+        if (rows.outerStride() != rows.rows()) return copied(Matrix<T>(rows), to);
         if (to.size() < size_t(rows.size())) to = Memory<T>(size_t(rows.size()));
-        for (Index j = 0; j < rows.cols(); ++j)
-            if (rows.outerStride() != rows.rows())
-                to.write(size_t(j * rows.rows()), rows.data() + j * rows.outerStride(), size_t(rows.rows()));
-        if (rows.outerStride() == rows.rows()) to.write(0, rows.data(), size_t(rows.size()));
+        to.write(0, rows.data(), size_t(rows.size()));
         return to.data();
     }
     void download() const { host_ = {all_of(records_), healths(), all_of(missing_)}; }

@@ -7,14 +7,6 @@
 #pragma clang force_cuda_host_device begin
 #include <Eigen/Core>
 #include <rlslab/gpu/kernels.hpp>
-#include <rlslab/gpu/team.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
 namespace rlslab {
 void on_misuse(char const*) { __builtin_trap(); }  // which a program without exceptions may define
 }  // namespace rlslab
@@ -27,21 +19,40 @@ using namespace rlslab::detail;
 __device__ inline Index thread_of_grid(int threads) {
     return Index(__nvvm_read_ptx_sreg_ctaid_x()) * threads + __nvvm_read_ptx_sreg_tid_x();
 }
-/// The lanes of a warp, 16 or 32 of them, that have one filter.
+/// The lanes of a warp, 16 or 32 of them, that have one filter. Both teams of a warp take each step together.
 struct DeviceTeam {
-    int lane;
+    int lane, lanes;
     unsigned mask;
-    template <class Work>
-    __device__ void each(Work const& work) const {
+    template <class X>
+    struct Own {
+        X own;
+        __device__ X& operator[](int) { return own; }
+    };
+    __device__ void alone(auto const& work) const {
         int here = lane;
-        asm volatile("" : "+r"(here));  // so that no comparison with it is kept from row to row in a register
+        asm volatile("" : "+r"(here));  // so that no comparison or address is kept from row to row in a register
         work(here);
-        __nvvm_bar_warp_sync(mask);
     }
-    template <class Test>
-    __device__ bool all(Test const& test) const {
-        return __nvvm_vote_all_sync(mask, test(lane));
+    __device__ void meet() const { __nvvm_bar_warp_sync(~0u); }
+    __device__ void each(auto const& work) const {
+        alone(work);
+        meet();
     }
+    /// x is computed here, not where it is used.
+    __device__ static void settle(float& x) { asm volatile("" : "+f"(x)); }
+    __device__ static void settle(double& x) { asm volatile("" : "+d"(x)); }
+    /// To each lane the number of the lane below.
+    __device__ void up(auto& x) const {
+        int words[sizeof x.own / 4];
+        __builtin_memcpy(words, &x.own, sizeof words);
+        for (int& word : words) word = __nvvm_shfl_sync_up_i32(~0u, word, 1, (32 - lanes) << 8);
+        __builtin_memcpy(&x.own, words, sizeof words);
+    }
+    __device__ bool all(auto const& test) const {
+        return (__nvvm_vote_ballot_sync(~0u, test(lane)) & mask) == mask;
+    }
+    __device__ bool any_team(bool of_this) const { return __nvvm_vote_any_sync(~0u, of_this); }
+    __device__ bool every_team(bool of_this) const { return __nvvm_vote_all_sync(~0u, of_this); }
 };
 }  // namespace
 
@@ -54,31 +65,28 @@ struct DeviceTeam {
 #define RLSLAB_TEAM(NAME, T, LANES, N)                                                                         \
     extern "C" __attribute__((global)) void __attribute__((launch_bounds(512)))                                \
         rlslab_##NAME##_##T##_team_##LANES##_##N(LaneRows<T> const in) {                                       \
-        extern __attribute__((shared)) TwoNumbers<double> room[];                                              \
+        extern __attribute__((shared, aligned(16))) double room[];                                               \
         int const thread = __nvvm_read_ptx_sreg_tid_x(), team = thread / LANES;                                \
         Index const together = __nvvm_read_ptx_sreg_ntid_x() / LANES;                                          \
         Index const filter = Index(__nvvm_read_ptx_sreg_ctaid_x()) * together + team;                          \
         if (filter >= in.filters) return;                                                                      \
-        DeviceTeam const lanes{thread % LANES, LANES == 32 ? ~0u : 0xffffu << thread / 16 % 2 * 16};           \
-        T* const own = reinterpret_cast<T*>(room) + team * team_room<LANES>(in.words);                      \
+        DeviceTeam const lanes{thread % LANES, LANES, LANES == 32 ? ~0u : 0xffffu << thread / 16 % 2 * 16};           \
+        T* const own = reinterpret_cast<T*>(room) + team * in.room;                                         \
         team_##NAME<T, LANES, N>(lanes, in, filter, own);                                                      \
     }
 
+#define RLSLAB_EIGHT(KERNELS, A, B, C, D, E, F, G, H) \
+    KERNELS(A) KERNELS(B) KERNELS(C) KERNELS(D) KERNELS(E) KERNELS(F) KERNELS(G) KERNELS(H)
 #if RLSLAB_PART == 1
-RLSLAB_WITH_TEAMS(1) RLSLAB_WITH_TEAMS(2) RLSLAB_WITH_TEAMS(3) RLSLAB_WITH_TEAMS(4)
-RLSLAB_WITH_TEAMS(5) RLSLAB_WITH_TEAMS(6) RLSLAB_WITH_TEAMS(7) RLSLAB_WITH_TEAMS(8)
+RLSLAB_EIGHT(RLSLAB_WITH_TEAMS, 1, 2, 3, 4, 5, 6, 7, 8)
 #elif RLSLAB_PART == 2
-RLSLAB_WITHOUT_TEAMS(1) RLSLAB_WITHOUT_TEAMS(2) RLSLAB_WITHOUT_TEAMS(3) RLSLAB_WITHOUT_TEAMS(4)
-RLSLAB_WITHOUT_TEAMS(5) RLSLAB_WITHOUT_TEAMS(6) RLSLAB_WITHOUT_TEAMS(7) RLSLAB_WITHOUT_TEAMS(8)
+RLSLAB_EIGHT(RLSLAB_WITHOUT_TEAMS, 1, 2, 3, 4, 5, 6, 7, 8)
 #elif RLSLAB_PART == 3
-RLSLAB_WITHOUT_TEAMS(9) RLSLAB_WITHOUT_TEAMS(10) RLSLAB_WITHOUT_TEAMS(11) RLSLAB_WITHOUT_TEAMS(12)
-RLSLAB_WITHOUT_TEAMS(13) RLSLAB_WITHOUT_TEAMS(14) RLSLAB_WITHOUT_TEAMS(15) RLSLAB_WITHOUT_TEAMS(16)
+RLSLAB_EIGHT(RLSLAB_WITHOUT_TEAMS, 9, 10, 11, 12, 13, 14, 15, 16)
 #elif RLSLAB_PART == 4
-RLSLAB_WITHOUT_TEAMS(17) RLSLAB_WITHOUT_TEAMS(18) RLSLAB_WITHOUT_TEAMS(19) RLSLAB_WITHOUT_TEAMS(20)
-RLSLAB_WITHOUT_TEAMS(21) RLSLAB_WITHOUT_TEAMS(22) RLSLAB_WITHOUT_TEAMS(23) RLSLAB_WITHOUT_TEAMS(24)
+RLSLAB_EIGHT(RLSLAB_WITHOUT_TEAMS, 17, 18, 19, 20, 21, 22, 23, 24)
 #elif RLSLAB_PART == 5
-RLSLAB_WITHOUT_TEAMS(25) RLSLAB_WITHOUT_TEAMS(26) RLSLAB_WITHOUT_TEAMS(27) RLSLAB_WITHOUT_TEAMS(28)
-RLSLAB_WITHOUT_TEAMS(29) RLSLAB_WITHOUT_TEAMS(30) RLSLAB_WITHOUT_TEAMS(31) RLSLAB_WITHOUT_TEAMS(32)
+RLSLAB_EIGHT(RLSLAB_WITHOUT_TEAMS, 25, 26, 27, 28, 29, 30, 31, 32)
 #else
 RLSLAB_TEAMS(ud) RLSLAB_TEAMS(ud_delta) RLSLAB_TEAMS(conventional)
 #endif

@@ -18,6 +18,7 @@ struct LaneRows {
     unsigned* missing;
     Index filters, rows, size, words;
     Index psi_filter, psi_parameter, psi_row, y_filter, y_row;
+    Index room;      ///< numbers that a team shares (gpu/team.hpp)
     T constants[4];  ///< lambda and what is computed from it, in the order of `constants_of`
 
     T psi_of(Index i, Index k, Index j) const { return psi[i * psi_filter + j * psi_parameter + k * psi_row]; }
@@ -25,40 +26,33 @@ struct LaneRows {
 };
 
 /// A record's numbers, `apart` numbers from one to the next; what is not a T takes whole numbers of T.
-template <class T>
-struct LaneReading : Silent {
-    T const* from;
+template <class T, bool writes>
+struct LaneRecord : Silent {
+    std::conditional_t<writes, T, T const>* at;
     Index apart;
-    LaneReading(T const* at, Index to_next) : from(at), apart(to_next) {}
-    [[gnu::always_inline]] void number(T& x) { x = *from, from += apart; }
+    LaneRecord(decltype(at) first, Index to_next) : at(first), apart(to_next) {}
     template <class X>
     [[gnu::always_inline]] void number(X& x) {
-        T words[(sizeof(X) + sizeof(T) - 1) / sizeof(T)];
-        for (T& word : words) number(word);
-        __builtin_memcpy(static_cast<void*>(&x), words, sizeof(X));
+        T words[(sizeof(X) + sizeof(T) - 1) / sizeof(T)] = {};
+        if constexpr (writes) __builtin_memcpy(words, static_cast<void const*>(&x), sizeof(X));
+        for (T& word : words) {
+            if constexpr (writes) *at = word;
+            else word = *at;
+            at += apart;
+        }
+        if constexpr (!writes) __builtin_memcpy(static_cast<void*>(&x), words, sizeof(X));
     }
-    [[gnu::always_inline]] void piece(T* x, Index n) {
+    [[gnu::always_inline]] void piece(auto* x, Index n) {
         for (Index i = 0; i < n; ++i) number(x[i]);
     }
-    [[gnu::always_inline]] void one(T& x) { x = T(1); }
+    [[gnu::always_inline]] void one(auto& x) {
+        if constexpr (!writes) x = T(1);
+    }
 };
 template <class T>
-struct LaneWriting : Silent {
-    T* to;
-    Index apart;
-    LaneWriting(T* at, Index to_next) : to(at), apart(to_next) {}
-    [[gnu::always_inline]] void number(T const& x) { *to = x, to += apart; }
-    template <class X>
-    [[gnu::always_inline]] void number(X const& x) {
-        T words[(sizeof(X) + sizeof(T) - 1) / sizeof(T)] = {};
-        __builtin_memcpy(words, static_cast<void const*>(&x), sizeof(X));
-        for (T const& word : words) number(word);
-    }
-    [[gnu::always_inline]] void piece(T const* x, Index n) {
-        for (Index i = 0; i < n; ++i) number(x[i]);
-    }
-    void one(T const&) {}
-};
+using LaneReading = LaneRecord<T, false>;
+template <class T>
+using LaneWriting = LaneRecord<T, true>;
 
 /// A fleet's health of a filter after one more step (Fleet::health).
 inline int health_after(int before, Health step) {
