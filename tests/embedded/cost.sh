@@ -28,8 +28,7 @@ for filter in "Ud<float, 3>" "Ud<float, 5>" "Ud<float, 10>" "Ud<double, 5>" \
     "UdDelta<float, 3>" "UdDelta<float, 5>" "UdDelta<float, 10>" "UdDelta<double, 5>" \
     "Carlson<float, 5>" "CarlsonDelta<float, 5>" "InverseQr<float, 5>" "InverseQrDelta<float, 5>" \
     "Qr<float, 5>" "Conventional<float, 3>" "Conventional<float, 5>" "ByHand<float, 3>" "ByHand<float, 5>" \
-    "Guarded<UdDelta<float, 3>>" "Guarded<UdDelta<float, 5>>" "Assessed<UdDelta<float, 5>>" \
-    "Assessed<Guarded<UdDelta<float, 3>>>" "Assessed<Guarded<UdDelta<float, 5>>>"; do
+    "Guarded<UdDelta<float, 3>>" "Guarded<UdDelta<float, 5>>" "Assessed<UdDelta<float, 5>>"; do
   size=${filter//[^0-9]/} word=$(grep -o 'float\|double' <<<"$filter")
   g++ "${common[@]}" -DCOUNTED "-DFILTER=${filter/$word/Counted<$word>}" -DPARAMETERS="$size" -lmpfr -lgmp \
     -o "$work/host"
