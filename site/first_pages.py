@@ -47,8 +47,8 @@ def choice(of):
     bench (nanoseconds by word and size), docs/embedded.md (instructions of -O2 by board, word and size), and the claims
     of the study choose that hold, "SLOPE log2 kappa + c with c from A to B" for the variants that they name."""
     boards = {}
-    for kind, word, d, m3, m4, m7 in re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \| (\d+) \| \d+ \| (\d+) \| \d+ "
-                                                r"\| (\d+) \| \d+ \|$", read("docs/embedded.md"), re.M):
+    for kind, word, d, m3, m4, m7 in re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \| \d+ \| \d+ \| (\d+) \| \d+ "
+                                                r"\| (\d+) \| \d+ \| (\d+) \| \d+ \|$", read("docs/embedded.md"), re.M):
         for board, count in (("m3", m3), ("m4f", m4), ("m7", m7)):
             boards.setdefault(kind, {}).setdefault(board, {}).setdefault(word, {})[d] = int(count)
     law = r"(.*): (?:(\d) )?log2 kappa \+ c with c from (\d+) to (\d+)"

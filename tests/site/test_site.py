@@ -228,7 +228,7 @@ class Sources(unittest.TestCase):
         rows = re.findall(r"^\| `(\w+)<(\w+), (\d+)>` \| `-O2` \|(.*)\|$", pages.read("docs/embedded.md"), re.M)
         self.assertGreater(len(rows), 5)
         for kind, word, d, cells in rows:
-            counts = [int(c) for c in cells.split("|")][::2]
+            counts = [int(c) for c in cells.split("|")][2::2]
             name = re.sub(r"\B(?=[A-Z])", "_", kind).lower()
             self.assertEqual([known[name][b][word][d] for b in ("m3", "m4f", "m7")], counts)
 
