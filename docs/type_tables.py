@@ -45,7 +45,8 @@ sections = [
 ]
 left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
-RecordWriting RecordReading FleetRecords RowsFromTo MpiRanks Encoding FilterEach SharedFilter OfOneRegressor
+RecordWriting RecordReading FleetRecords LaneRows LaneRecord RowsFromTo MpiRanks Encoding FilterEach SharedFilter
+OfOneRegressor
 """.split()
 
 
