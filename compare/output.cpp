@@ -242,12 +242,11 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite." +
          foretold_text(c));
     note(
-        "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "
-        "not recommended.");
+        "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows.");
     if (!c.fast.empty())
         note(
-            "Fast forms (docs/fast.md) hold neither P nor R. Digits of the prediction error against the certified theta "
-            "of the rows before it; their line starts with zeros.");
+            "Fast forms (docs/fast.md) hold neither P nor R. Digits of the prediction error against the certified "
+            "theta of the rows before it; their line starts with zeros.");
     if (c.digits) note("The table is for the prior in the head. The answer (*) has a prior and a scaling of its own.");
     note(
         fmt::format("The recommendation is for the record's order. It never broke down and keeps {} digits of the "

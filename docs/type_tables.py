@@ -188,7 +188,8 @@ def table(header, name):
 def made():
     out = ["# The types, from their headers", "",
            "What a header says stands here word for word (`docs/type_tables.py`). How they go together:",
-           "[library.md](../docs/library.md). `T` is the filter's scalar, `F` a filter, d its number of parameters.", ""]
+           "[library.md](../docs/library.md). `T` is the filter's scalar, `F` a filter, d its number of parameters.",
+           ""]
     for heading, headers in sections:
         out += [f"## {heading}", ""]
         for header, names in headers:

@@ -98,8 +98,8 @@ Command compare_command(CLI::App& app) {
         "checkpoints, and after the last row of the least-squares solution for the data as given, in every order of "
         "the rows. For that "
         "it weakens the prior, and scales columns whose numbers are near the ends of the arithmetic. The C++ has a "
-        "guard where the form can have one, and the answer says what it met on this record. The digits say how well a filter computes, not how well the data determine "
-        "theta.\n\n"
+        "guard where the form can have one, and the answer says what it met on this record. The digits say how well a "
+        "filter computes, not how well the data determine theta.\n\n"
         "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the "
         "checkpoints; 1 none of those "
         "shown does; 2 no answer: wrong input, or it could not be written.");

@@ -1,5 +1,5 @@
-// On rows of the kinds that plants and tables leave: does compare name a form, and is that form near the best on another
-// record of the same problem?
+// On rows of the kinds that plants and tables leave: does compare name a form, and is that form near the best on
+// another record of the same problem?
 #include "studies/published/naming.hpp"
 
 #include <rlslab/studies/judgements.hpp>
@@ -87,8 +87,8 @@ Study const everyday_problems{
         R"tex(\text{loss}_v = \max_m (\max_w \text{digits}_m(w) - \text{digits}_m(v)),\quad m = \theta, \theta_{\text{worst}}, P)tex",
     .interpretation =
         "A plant that rests when the filter is switched on, rows that repeat, whole numbers, columns in natural units, "
-        "several changes of theta, a column that is constant for long. A record names a form, in its own order of rows; "
-        "another record of the problem judges it, in its own order too. Both take as many draws of the roundings as "
+        "several changes of theta, a column that is constant for long. A record names a form, in its own order of "
+        "rows; another record of the problem judges it, in its own order too. Both take as many draws of the roundings as "
         "compare takes.",
     .data = "1000 problems of six kinds, in float and double; 24 at the quick budget",
     .factors =

@@ -98,7 +98,8 @@ TEST_F(CompareDoubts, AnOffsetIsSaidToCostWhatItCosts) {
     columns.push_back(y);
     write("offset.csv", csv("x1,x2,x3,x4,x5,x6,y", columns));
     std::string const model =
-        "compare offset.csv --regressors x1,x2,x3,x4,x5,x6 --intercept --output y --variants symmetric --arithmetic float";
+        "compare offset.csv --regressors x1,x2,x3,x4,x5,x6 --intercept --output y --variants symmetric "
+        "--arithmetic float";
     auto const worst = [](json const& a) { return a["results"][0]["spread"]["worst"]["median"].get<double>(); };
     json const as_it_is = answer(model);
     Signal centred = columns[5];

@@ -69,7 +69,7 @@ TEST(Foretold, TheConventionalFormEndsNearTheRow) {
             for (char const* const arithmetic : {"float", "double"})
                 for (Rows const kind : {Rows::white, Rows::coloured, Rows::graded}) {
                     double const u = arithmetic == std::string("float") ? 0x1p-24 : 0x1p-53;
-                    Index const whole = Index(std::log(1 / u) / -std::log(lambda));  // theory 37
+                    Index const whole = Index(std::log(1 / u) / -std::log(lambda));  // docs/theory.md 37
                     Records const rows = rows_of(kind, d, 2 * whole, Seed{std::uint64_t(++runs)});
                     Ends const of = ends_of("conventional", arithmetic, lambda, rows, whole);
                     broke += of.broke > 0;

@@ -119,7 +119,7 @@ std::vector<Folder> const house{
     {"src/rlslab/state", {"src/rlslab/linalg"}},
     {"src/rlslab/adapt", {"src/rlslab/state"}},
     {"src/rlslab/many", {"src/rlslab/adapt"}},
-    {"src/rlslab/gpu", {"src/rlslab/many"}},
+    {"src/rlslab/gpu", {"src/rlslab/many", "variants"}},
     {"variants", {"src/rlslab/linalg"}},
     {"fast", {"src/rlslab/adapt"}},
     {"src/rlslab", {"src/rlslab/many", "variants"}},

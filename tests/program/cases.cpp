@@ -35,7 +35,7 @@ std::vector<Case> const cases{
     {"s04_msvc_nan.csv --input u --output y --na 1 --nb 0 --delay 1", {}, "42 3 y -1.#IND --missing"},
     {"s04_historian.csv --input u --output y --na 1 --nb 0 --delay 1 --missing \"No Data,Bad,I/O Timeout\"",
      {-0.8002416279276966, 0.4998968514871879}},
-    {"s04_msvc_nan.csv --input u --output y --na 1 --nb 0 --delay 1 --missing \"-1.#IND,1.#QNAN\"",
+    {"s04_msvc_nan.csv --input u --output y --na 1 --nb 0 --delay 1 --missing \"-1.#IND,1.#QNAN,nan(ind)\"",
      {-0.8002097796969688, 0.4998543519780854}},
     // two columns of one name
     {"s05_twice_named.csv --regressors t --output value", {}, "1 t 1 3"},

@@ -20,8 +20,8 @@ void create_folder(std::filesystem::path const& folder);
 
 /// Writes the text to PATH.PID.new in the same folder, of a long name the first 200 bytes, then renames that file to
 /// `path`: a reader sees the old file or the whole new one. A symbolic link stays, and what it names is replaced. A
-/// device or a pipe is written to. If the text cannot be written, PATH.PID.new is removed and FileError thrown. on_disk:
-/// waits until the disk has the text, so that the same holds where the machine loses its power; milliseconds.
+/// device or a pipe is written to. If the text cannot be written, PATH.PID.new is removed and FileError thrown.
+/// on_disk: waits until the disk has the text, so that the same holds where the machine loses its power; milliseconds.
 void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk = false);
 
 /// Removes the PATH.PID.new files in the folder that killed processes left behind.

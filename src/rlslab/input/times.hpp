@@ -8,7 +8,7 @@
 namespace rlslab {
 
 /// A number as it stands, "2024-05-17", "2024-05-17 08:15:30.25", "2024-05-17T08:15Z" or "08:15:30" in seconds; NaN for
-/// a missing value. Nothing for what is none of these. An hour is that of its own clock: an offset behind it is dropped.
+/// a missing value. Nothing for what is none of these. An hour is that of its own clock: an offset behind it drops.
 std::optional<double> time_in(std::string_view cell);
 
 /// Whether people call a column of times so: t, time [s], Timestamp, Zeit ...
