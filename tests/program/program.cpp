@@ -134,8 +134,8 @@ TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     }
     ASSERT_EQ(out["results"].size(), rlslab::catalogue().size());
     for (json const& r : out["results"]) {
-        EXPECT_EQ(r.size(),
-                  14u);  // the keys named below, variant, arithmetic, spread, path, runs, broken, other_orders
+        // the keys named below, variant, arithmetic, spread, path, runs, broken, other_orders, foretold
+        EXPECT_EQ(r.size(), 15u);
         EXPECT_EQ(r["other_orders"]["runs"], 3);
         for (auto const& [of, at_the_end] : {std::pair{"theta", "theta_digits"},
                                              {"worst", "theta_digits_worst"},
