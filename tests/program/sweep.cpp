@@ -51,8 +51,11 @@ TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
         for (auto const& row : rows)
             if (row.at("forgetting") == "0.96875" && row.at("variant") == result.at("variant") &&
                 row.at("arithmetic") == result.at("arithmetic")) {
-                EXPECT_EQ(std::stod(row.at("worst")), result.at("spread").at("worst").at("median").get<double>());
-                EXPECT_EQ(std::stod(row.at("P")), result.at("spread").at("covariance").at("median").get<double>());
+                // A trial is one draw of the roundings, compare's median is of four and more: they scatter by tenths.
+                EXPECT_NEAR(std::stod(row.at("worst")), result.at("spread").at("worst").at("median").get<double>(),
+                            0.6);
+                EXPECT_NEAR(std::stod(row.at("P")), result.at("spread").at("covariance").at("median").get<double>(),
+                            0.6);
                 ++checked;
             }
     EXPECT_EQ(checked, 36);
