@@ -107,10 +107,12 @@ std::string verdict(Comparison const& c, size_t width) {
             spread.worst.median, spread.covariance.median,
             c.options.composition.empty() ? fmt::format("; {} operations", *best.operations) : "",
             best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
-        std::string lost = losses_text(c, r);
-        if (std::string const more = beside_text(c, r); !more.empty()) lost = more + (lost.empty() ? "" : "; ") + lost;
-        out += wrapped(keeps + (lost.empty() ? "" : ";"), 0, indent, width) + '\n';
-        if (!lost.empty()) out += std::string(indent, ' ') + wrapped(lost, indent, indent, width) + '\n';
+        std::vector<std::string> lines{beside_text(c, r), losses_text(c, r)};
+        std::erase(lines, "");
+        out += wrapped(keeps + (lines.empty() ? "" : ";"), 0, indent, width) + '\n';
+        for (std::string const& line : lines)
+            out += std::string(indent, ' ') +
+                   wrapped(line + (&line == &lines.back() ? "" : ";"), indent, indent, width) + '\n';
     }
     for (auto const& [why, where] : without)
         out += wrapped(fmt::format("in {}  {}", fmt::join(where, ", "), why), 0, 4, std::min(width, text_width)) + '\n';
