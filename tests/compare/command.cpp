@@ -75,7 +75,7 @@ TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     EXPECT_NE(out.find("\nin double  use " + recommended(compared(sales), 1), verdict), out.npos);
     EXPECT_LT(verdict, code);
     EXPECT_LT(code, table);
-    EXPECT_LT(std::count(out.begin(), out.begin() + long(code), '\n'), 12) << "the answer is not on the first screen";
+    EXPECT_LT(std::count(out.begin(), out.begin() + long(code), '\n'), 14) << "the answer is not on the first screen";
     std::istringstream lines(out);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 140u) << line;
 }
