@@ -192,6 +192,21 @@ double resolution_in(std::vector<double> known) {
 
 }  // namespace
 
+std::vector<std::string> names_before_lags(std::vector<std::string> words, std::vector<std::string> const& columns) {
+    for (std::string& word : words)
+        if (word.ends_with(']') && std::ranges::find(columns, word) != columns.end()) word += "[k]";
+    return words;
+}
+std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file) {
+    for (std::string& word : words) {
+        word.erase(0, word.find_first_not_of(' '));
+        word.erase(word.find_last_not_of(' ') + 1);
+    }
+    bool const brackets = std::ranges::any_of(words, [](std::string const& word) { return word.ends_with(']'); });
+    std::vector<std::string> const columns = brackets ? columns_among(words, file) : std::vector<std::string>();
+    return names_before_lags(std::move(words), columns);
+}
+
 Question question_of(RecordArguments a, std::optional<Columns>* kept) {
     a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
     DataFile file{a.file, a.format};
