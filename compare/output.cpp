@@ -241,8 +241,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
                 "the composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite." +
          foretold_text(c));
-    note(
-        "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows.");
+    note("ops, ns: operations and nanoseconds a row, with theta. qr_block and the sparse forms take blocks of rows.");
     if (!c.fast.empty())
         note(
             "Fast forms (docs/fast.md) hold neither P nor R. Digits of the prediction error against the certified "

@@ -88,8 +88,8 @@ Study const everyday_problems{
     .interpretation =
         "A plant that rests when the filter is switched on, rows that repeat, whole numbers, columns in natural units, "
         "several changes of theta, a column that is constant for long. A record names a form, in its own order of "
-        "rows; another record of the problem judges it, in its own order too. Both take as many draws of the roundings as "
-        "compare takes.",
+        "rows; another record of the problem judges it, in its own order too. Both take as many draws of the "
+        "roundings as compare takes.",
     .data = "1000 problems of six kinds, in float and double; 24 at the quick budget",
     .factors =
         [](Budget budget) {

@@ -80,8 +80,8 @@ Study const random_problems{
         R"tex(\text{loss}_v = \max_m (\max_w \text{digits}_m(w) - \text{digits}_m(v)),\quad m = \theta, \theta_{\text{worst}}, P)tex",
     .interpretation =
         "A problem has one word. The record names a form; four judges follow. Itself: the runs that named it. "
-        "Again (every second problem): the same regressors, other noise. Half (the other problems): the first half of the "
-        "rows names, the whole judges. Other: rows and "
+        "Again (every second problem): the same regressors, other noise. Half (the other problems): the first half of "
+        "the rows names, the whole judges. Other: rows and "
         "noise drawn anew from the problem's distribution, which is what an engineer meets. The loss counts what "
         "the form lacks to the best in each of the three measures, and no form may have none; `excess` is its loss "
         "less the least loss of a form. All judge in the record's own order, by as many draws of the roundings as "
