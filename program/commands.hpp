@@ -25,11 +25,6 @@ CLI::Validator named(char const* expected);
 /// "x(:,2),v" the columns x(:,2) and v.
 std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
-/// The words of --regressors, with "[k]" behind those that are names of columns and end in a bracket: a name of the
-/// file goes before the syntax of lags.
-std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file);
-std::vector<std::string> names_before_lags(std::vector<std::string> words, std::vector<std::string> const& columns);
-
 /// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not
 /// swallow FILE behind it.
 void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);

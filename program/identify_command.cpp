@@ -3,6 +3,7 @@
 #include "identify/text.hpp"
 #include "program/commands.hpp"
 #include "program/composition_options.hpp"
+#include "program/record_options.hpp"
 
 #include <rlslab/core/files.hpp>
 

@@ -16,6 +16,11 @@ struct RecordArguments {
     bool intercept = false, detrend = false;
 };
 
+/// The words of --regressors, with "[k]" behind those that are names of columns and end in a bracket: a name of the
+/// file goes before the syntax of lags.
+std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file);
+std::vector<std::string> names_before_lags(std::vector<std::string> words, std::vector<std::string> const& columns);
+
 /// FILE or --example, and the options that name columns and a model. `arguments` outlives the command's run.
 void define_record(CLI::App& command, RecordArguments& arguments);
 

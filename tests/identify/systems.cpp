@@ -101,8 +101,8 @@ struct System {
 void PrintTo(System const& s, std::ostream* out) { *out << s.name; }
 
 std::string const clean = "CLEAN";  ///< a line where there are no warnings
-char const* const ranks[] = {"DEPENDENCE", "BREAKDOWN", "OUTLIER",   "EXCITATION", "ARITHMETIC", "DELAY",
-                             "NOTHING",    "ORDER",     "WHITENESS", "CONSTANCY",  "HELD_OUT",   "STRUCTURE"};
+char const* const ranks[] = {"TIME",    "DEPENDENCE", "BREAKDOWN", "OUTLIER",   "EXCITATION", "ARITHMETIC", "DELAY",
+                             "NOTHING", "ORDER",      "WHITENESS", "CONSTANCY", "HELD_OUT",   "STRUCTURE"};
 
 /// One input u, one output y.
 IdentifyOptions arx(IdentifyOptions o = {}) {
