@@ -44,14 +44,14 @@ std::string class_of(std::string_view variant) {
 
 namespace {
 
-/// "ud is 0.5 digits below the best form in P", or, behind another such text, "conventional 2.8 in P".
+/// "ud is 0.5 digits below the best form in P", or, behind another such text, "conventional 2.8 below in P".
 std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next, bool first) {
     std::string const who = next ? fmt::format("the next, {},", loss.variant) : loss.variant;
     if (std::isfinite(loss.digits) && loss.digits < 0.05)
         return who + (first ? " is as good as the best form" : " is as good");
     if (std::isfinite(loss.digits))
         return fmt::format("{} {}{:.1f}{} in {}", who, first ? "is " : "", loss.digits,
-                           first ? " digits below the best form" : "", loss.of);
+                           first ? " digits below the best form" : " below", loss.of);
     Result const& lost = result_of(c, r.arithmetic, loss.variant);
     return fmt::format("{} {}", who,
                        lost.broken + lost.others.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
@@ -85,7 +85,7 @@ std::string verdict(Comparison const& c, size_t width) {
     size_t arithmetic = 0, variant = 0;
     for (Recommendation const& r : c.recommendations) {
         if (r.variant.empty()) {
-            std::string const why = (r.too_short ? "too short for this record: " : "use none: ") + r.why;
+            std::string const why = (r.too_short ? "has too few digits for this record: " : "use none: ") + r.why;
             auto const known =
                 std::ranges::find(without, why, &std::pair<std::string, std::vector<std::string>>::first);
             (known == without.end() ? without.emplace_back(why, std::vector<std::string>()) : *known)

@@ -234,7 +234,7 @@ void add(std::vector<Remark>& out, std::span<Rule const> rules, Model m) {
 Remark remark_on(Outlier const& o, Model m) {
     bool const guarded = m.options.composition.policy().intervenes();
     return {o.dominates() ? Rank::outlier : Rank::structure, sentence_on(o, guarded),
-            fmt::format("look at {}{}", row_text(o), guarded ? "" : "; --guard reset leaves it out")};
+            fmt::format("look at {}{}", row_text(o), guarded ? "" : "; if it is wrong, empty that cell and run again")};
 }
 
 Remark remark_on(PastInput const& p, Model m) {

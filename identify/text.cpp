@@ -102,8 +102,9 @@ std::vector<std::string> data_lines(Identified const& m) {
         means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ",
                              printable(j < o.inputs.size() ? o.inputs[j] : o.output), m.means[j]);
     std::string const step = o.sample_time ? fmt::format(", one each {:g} s", *o.sample_time) : "";
-    return {fmt::format("{} samples{}: {} rows fitted, {} held out{}{}", m.samples, step, m.fitted, m.held_out,
-                        m.skipped > 0 ? fmt::format("; {} skipped, which miss a value", m.skipped) : "", means),
+    return {fmt::format("{} samples{}: {} rows fitted, {}{}{}", m.samples, step, m.fitted,
+                        m.held_out > 0 ? fmt::format("the last {} samples held out", m.held_out) : "none held out",
+                        m.skipped > 0 ? fmt::format("; {} rows skipped, which miss a value", m.skipped) : "", means),
             fmt::format("{} in double, lambda = {}, prior {}", o.variant, o.forgetting, prior)};
 }
 

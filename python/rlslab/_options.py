@@ -29,7 +29,7 @@ def one_of(name: object, names: Sequence[str], what: str) -> str:
         raise TypeError(f"{what} is a name, not {type(name).__name__}")
     if name in names:
         return name
-    near = difflib.get_close_matches(name.lower(), names, 1)
+    near = difflib.get_close_matches(name.lower(), names, 1) if len(names) > 3 else []
     hint = f'did you mean "{near[0]}"?' if near else "there are " + ", ".join(names)
     raise ValueError(f"no {what} {reprlib.repr(name)}; {hint}")
 

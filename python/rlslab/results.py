@@ -29,7 +29,8 @@ def _ranks(X: Floats) -> list[int]:
     """The first row at which the rows so far have rank 1, ..., d, by which theta is determined; else ValueError."""
     n, d = X.shape
     if not np.isfinite(X).all():
-        raise ValueError("exog holds a number that is not finite")
+        row = int(np.flatnonzero(~np.isfinite(X).all(axis=1))[0])
+        raise ValueError(f"exog[{row}] holds a number that is not finite; leave such rows out")
     scaled = _scaled(X)
 
     def rank(k: int) -> int:

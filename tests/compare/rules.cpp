@@ -429,7 +429,8 @@ TEST(Verdict, ArithmeticsWithoutARecommendationShareALine) {
     c.recommendations = {
         {"bfloat16", "", "no"}, {"float", "", "no"}, {"double", "", "other"}, {"quad", "", "no", true}};
     EXPECT_EQ(verdict(c),
-              "in bfloat16, float  use none: no\nin double  use none: other\nin quad  too short for this record: no\n");
+              "in bfloat16, float  use none: no\nin double  use none: other\n"
+              "in quad  has too few digits for this record: no\n");
 }
 
 }  // namespace

@@ -16,6 +16,8 @@ TEST(Times, AreNumbersOrAsPeopleWriteThem) {
     EXPECT_EQ(time_in("2024-02-29 00:00:00").value() + 86400, time_in("2024-03-01 00:00:00"));
     EXPECT_EQ(time_in("1970-01-01T01:02:03.25Z"), 3723.25);
     EXPECT_EQ(time_in("1970-01-01 01:02:03+02:00"), 3723);
+    EXPECT_EQ(time_in("17.05.2024 06:00:00"), time_in("2024-05-17 06:00"));
+    EXPECT_EQ(time_in("2024/05/17 06:00"), time_in("2024-05-17 06:00"));
     EXPECT_EQ(time_in("01:02"), 3720);
     EXPECT_EQ(time_in("23:59:60"), 86400) << "a leap second";
     for (char const* const other : {"soon", "2023-02-29", "2024-13-01", "2024-02-28x", "25:00", "01:60",

@@ -85,7 +85,8 @@ typename F::scalar const* root_lambda_of(F& f) {
 /// V takes rounding errors for independent. Those of qr in float are not, where lambda is near 1: over windows of 10
 /// 000 rows and more its error is up to 70 times a fresh filter's, without an alarm; ud's is not.
 ///
-/// After (3) the state is, bit for bit, that of a fresh F fed these rows. A row that is not finite spoils the window
+/// After (3) the state is, bit for bit, that of a fresh F fed these rows; where they do not determine theta without a
+/// prior, health says so with this row. A row that is not finite spoils the window
 /// while it is in it, as it spoils F, and leaves no trace: the rows are factored anew when the last such row has left.
 /// A prior counts from the last factoring on. Memory W (d + 1) numbers and F twice; allocates where it is made and
 /// never again (F allowing). Cost of a step: F's update and one removal; factoring takes W updates in one step, the
@@ -217,7 +218,7 @@ private:
         return options;
     }
     /// What follows F's step of the row in psi_.
-    Step<T> step(Step<T> const& out, T const& y) {
+    Step<T> step(Step<T> out, T const& y) {
         bool const finite = all_finite(psi_) && is_finite(y);
         add(out, y);
         ++since_;
@@ -240,7 +241,11 @@ private:
         ring_.push(psi_.data(), y);
         if (spoilt_.n > 0 && --spoilt_.n == 0) alarm = true;
         if (!finite) spoilt_.n = options_.rows;
-        if (spoilt_.n == 0 && (alarm || (options_.refactor_every > 0 && since_ >= options_.refactor_every))) refactor();
+        if (spoilt_.n > 0 || !(alarm || (options_.refactor_every > 0 && since_ >= options_.refactor_every))) return out;
+        refactor();
+        if constexpr (F::starts_without_prior)    // what the kept rows no longer determine, F's next row would say
+            if (out.health == Health::sound && is_nan(detail::look_at(filter_, row_as_kept(), y).e))
+                out.health = Health::undetermined;
         return out;
     }
 };

@@ -297,7 +297,11 @@ bool CsvFile::State::names_below(std::vector<std::string> const& requested) {
 
 double CsvFile::State::number_in(std::size_t column) {
     auto const [kind, value] = reading(row[column]);
-    if (!is_value(kind)) fail(line, column, complaint(kind, row[column]));
+    if (!is_value(kind))
+        fail(line, column,
+             complaint(kind, row[column]) + (kind == Kind::text && header && line <= first + 2
+                                                 ? fmt::format("; if line {} has units or types, delete it", line)
+                                                 : ""));
     pass(marks.number(kind, line, column, row[column]));
     return value;
 }
@@ -376,8 +380,15 @@ Columns CsvFile::read(std::vector<std::string> const& requested, std::string con
         for (std::size_t i = 0; i < columns.size(); ++i) data.values[i].push_back(s.number_in(columns[i]));
         if (auto const at = times ? time_in(s.row[*times]) : std::nullopt) data.times.push_back(*at);
         else if (times && !time.empty())
-            s.fail(s.line, *times, fmt::format("expected a time, found {}", in_quotes(s.row[*times])));
-        else times.reset(), data.times.clear();
+            s.fail(s.line, *times, fmt::format("expected a time (a number, 2024-05-17 06:00:00, 17.05.2024 06:00, 06:00:00), "
+                               "found {}",
+                               in_quotes(s.row[*times])));
+        else if (times) {
+            std::string_view const cell = s.row[*times];
+            if (named_as_time(s.names[*times]) && cell[0] >= '0' && cell[0] <= '9')
+                data.time = s.names[*times], data.unread_time = in_quotes(cell);
+            times.reset(), data.times.clear();
+        }
         s.marks.row(s.row, s.line);
         data.lines.push_back(s.line);
     }

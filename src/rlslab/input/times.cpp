@@ -26,10 +26,15 @@ std::optional<int> taken(std::string_view& text, std::size_t digits, char end) {
     return value;
 }
 
+/// 2024-05-17, 2024/05/17, or 17.05.2024. 05/17/2024 is another day elsewhere.
 std::optional<double> date_in(std::string_view& text) {
-    auto const year = taken(text, 4, '-');
-    auto const month = year ? taken(text, 2, '-') : std::nullopt, day = month ? taken(text, 2, 0) : std::nullopt;
-    if (!day) return {};
+    bool const day_first = text.size() > 2 && text[2] == '.';
+    char const mark = day_first ? '.' : text.size() > 4 && text[4] == '/' ? '/' : '-';
+    auto const first = taken(text, day_first ? 2 : 4, mark);
+    auto const month = first ? taken(text, 2, mark) : std::nullopt,
+               last = month ? taken(text, day_first ? 4 : 2, 0) : std::nullopt;
+    if (!last) return {};
+    auto const year = day_first ? last : first, day = day_first ? first : last;
     std::chrono::year_month_day const date{std::chrono::year(*year), std::chrono::month(unsigned(*month)),
                                            std::chrono::day(unsigned(*day))};
     if (!date.ok()) return {};
@@ -102,6 +107,9 @@ bool named_as_time(std::string_view column) {
 }
 
 std::optional<std::string> sentence_on_times(Columns const& data) {
+    if (!data.unread_time.empty())
+        return fmt::format("{}: {} is not read as a time (2024-05-17 06:00:00 is): gaps between the rows are not seen",
+                           printable(data.time), data.unread_time);
     std::vector<double> sorted = data.times;
     std::erase_if(sorted, [](double t) { return std::isnan(t); });
     std::vector<double> const given = sorted;
