@@ -59,9 +59,15 @@ void expect_supported(Record const& record, IdentifyOptions const& options, Inpu
     if (structure_given(options) ? check.supported >= needed : check.supported >= 1) return;
     std::vector<std::string> reasons;
     for (Remark const& remark : check.remarks) reasons.push_back(remark.sentence);
+    for (size_t j = 0; j < record.inputs.size(); ++j)
+        if (auto const missing = std::ranges::count_if(record.inputs[j], [](double u) { return std::isnan(u); }))
+            reasons.push_back(
+                fmt::format("{} of {} samples of {} are missing, and each leaves out the rows that it is in", missing,
+                            record.samples, printable(options.inputs[j])));
     throw InputError(fmt::format(
         "{}: {} ({})", record.file,
-        check.supported < 1 ? "the input does not excite the system: it supports no model of order 1 or more"
+        check.supported < 1 ? "the input as it stands in the complete rows does not excite the system: it supports no "
+                              "model of order 1 or more"
         : options.order
             ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order,
                           check.supported)

@@ -79,8 +79,10 @@ void expect_enough_samples(Record const& record, IdentifyOptions const& options)
     Index const needed = presample(widest) + Index(widest.size()) + 1;
     if (record.fitted < needed)
         throw InputError(fmt::format(
-            "{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}",
+            "{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower {}{}{}",
             record.file, structure_text(options, order), widest.size(), needed, record.fitted,
+            structure_given(options) ? "order" : "--max-order",
+            std::ranges::max(options.delay.empty() ? std::vector{0} : options.delay) > 0 ? ", a smaller --delay" : "",
             record.fitted < record.samples ? ", or a smaller --validate" : ""));
 }
 

@@ -243,9 +243,10 @@ private:
         if (!finite) spoilt_.n = options_.rows;
         if (spoilt_.n > 0 || !(alarm || (options_.refactor_every > 0 && since_ >= options_.refactor_every))) return out;
         refactor();
-        if constexpr (F::starts_without_prior)    // what the kept rows no longer determine, F's next row would say
-            if (out.health == Health::sound && is_nan(detail::look_at(filter_, row_as_kept(), y).e))
-                out.health = Health::undetermined;
+        if constexpr (requires { detail::look_at(filter_, row_as_kept(), y); })
+            if (out.health == Health::sound)  // what the kept rows no longer determine, F would say with the next one
+                if (T const e = detail::look_at(filter_, row_as_kept(), y).e; !(e == e))
+                    out.health = Health::undetermined;
         return out;
     }
 };

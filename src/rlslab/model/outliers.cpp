@@ -7,8 +7,12 @@
 
 namespace rlslab {
 
-std::optional<LargestResidual> outlier_in(Signal const& residuals, Index lags) {
-    double J = 0, count = 0;
+std::optional<LargestResidual> outlier_in(Signal residuals, Index lags) {
+    double J = 0, count = 0, largest = 0;
+    for (double const e : residuals)
+        if (largest < std::abs(e)) largest = std::abs(e);
+    if (!(largest > 0)) return {};
+    for (double& e : residuals) e = std::ldexp(e, -std::ilogb(largest));  // so that no square is lost
     Index at = 0;
     for (size_t k = 0; k < residuals.size(); ++k) {
         double const e = residuals[k];
@@ -16,7 +20,6 @@ std::optional<LargestResidual> outlier_in(Signal const& residuals, Index lags) {
         J += e * e, ++count;
         if (!(std::abs(e) <= std::abs(residuals[size_t(at)]))) at = Index(k);
     }
-    if (!(J > 0)) return {};
     double const e = residuals[size_t(at)], F = e * e / ((J - e * e) / (count - 1));  // against the others
     if (count < 2 || !(J - e * e > 0 ? correctly::fisher_tail(1, count - 1, F) * count < 0.001 : count > 2)) return {};
     // As a past output it makes the residuals after it large, too.

@@ -13,7 +13,7 @@ struct LargestResidual {
     Index at;
     double deviations, share;  ///< |e| in root mean squares of the residuals; share of their sum of squares
 };
-std::optional<LargestResidual> outlier_in(Signal const& residuals, Index lags = 0);
+std::optional<LargestResidual> outlier_in(Signal residuals, Index lags = 0);
 
 /// The value farthest from the mean of the others, among the first `count`; NaN: no value.
 struct Spike {
