@@ -49,8 +49,9 @@ std::string sentence_on_offset(Records const& records, std::vector<std::string> 
     if (!constant || far.empty()) return "";
     double const most = *std::ranges::max_element(all);
     return fmt::format(
-        "{}: the mean is {}{:.3g} standard deviations off 0, beside a constant: that costs forms that store P up to "
-        "about {:.1f} digits of theta, and the rounding of the data to a short word as many; --detrend gives them back",
+        "{}: the mean is {}{:.3g} standard deviations off 0, beside a constant: that costs factor forms about {:.1f} "
+        "digits of theta, forms that store P up to twice as many or more, and the rounding of the data to a short word "
+        "as many again; --detrend gives them back",
         names_of(far, regressors), far.size() > 1 ? "up to " : "", most, correctly::log10(most));
 }
 
