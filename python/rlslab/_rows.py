@@ -15,6 +15,11 @@ SCALARS = tuple(
 )
 
 
+def is_masked(name: str) -> TypeError:
+    """What is said of a masked array."""
+    return TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
+
+
 def numbers(given: ArrayLike, name: str) -> Numbers:
     """An array of float64 or float32 in this machine's order of bytes; TypeError for what is no real number."""
     if type(given) is np.ndarray and given.dtype.char in "fd" and given.dtype.isnative:
@@ -28,7 +33,7 @@ def numbers(given: ArrayLike, name: str) -> Numbers:
     if in_list and array.dtype.kind == "f" and np.isnan(array).any():    # which is what np.ma.masked becomes
         masked = masked or any(part is np.ma.masked for part in np.array(given, object).flat)
     if masked:
-        raise TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
+        raise is_masked(name)
     if array.dtype.names:
         raise TypeError(f"{name} is a structured array: give np.column_stack of the columns that it is to have")
     if array.dtype.kind not in "fiub" and hasattr(given, "dtypes") and hasattr(given, "to_numpy"):
@@ -45,10 +50,8 @@ def _of_frame(given: Any, name: str) -> NDArray[Any]:
     out = []
     for label, column in given.items() if given.ndim == 2 else [(given.name, given)]:
         if column.dtype.kind not in "fiub":
-            raise TypeError(
-                f"{name}: column {label!r} holds {column.dtype}, not real numbers: leave it out, or give its "
-                ".astype(float)"
-            )
+            of = name if label is None else f"{name}: column {label!r}"
+            raise TypeError(f"{of} holds {column.dtype}, not real numbers: leave it out, or give its .astype(float)")
         out.append(column.to_numpy(np.float64, na_value=np.nan))
     table: NDArray[Any] = np.column_stack(out) if given.ndim == 2 else out[0]
     return table

@@ -102,8 +102,12 @@ class RecursiveLS:
         if given.ndim != 2:
             raise ValueError(f"exog has shape {given.shape}, expected (n, d)")
         d = given.shape[1]
-        X, y = _rows.block(given.astype(np.float64), _rows.numbers(endog, "endog").astype(np.float64), d)
-        n = len(y)
+        n, outputs = len(given), _rows.numbers(endog, "endog")
+        if outputs.shape != (n,):
+            raise ValueError(f"endog has shape {outputs.shape}, expected ({n},) as exog has {n} rows")
+        X, y = _rows.block(given.astype(np.float64), outputs.astype(np.float64), d)
+        if not np.isfinite(y).all():
+            raise ValueError(f"endog[{int(np.argmin(np.isfinite(y)))}] is not finite; leave such rows out")
         if not n > d > 0:
             raise ValueError(f"{n} rows do not determine {d} parameters and a variance")
         f = filter("qr", d, prior_variance=None)
@@ -116,8 +120,14 @@ class RecursiveLS:
                 self.resid_recursive[k] = step.innovation * np.sqrt(step.gamma)
             if k >= ranks[-1]:
                 self.recursive_coefficients[k] = f.theta
-        if f.copy().pass_time().health != "sound":    # the last step tells of the rows before it
-            raise ValueError(f"the rows do not determine theta: health {f.health}")
+        most, of_y = np.abs(X).max(axis=0), np.abs(y).max()
+        beyond = (
+            "float64 does not hold the squares of these numbers: scale them (columns of exog of up to "
+            f"{most.min():.1e} to {most.max():.1e}, endog of up to {of_y:.1e})"
+        )
+        health = f.copy().pass_time().health    # the last step tells of the rows before it
+        if health != "sound":
+            raise ValueError(beyond if health == "nonfinite" else f"the rows do not determine theta: health {health}")
         self.resid_recursive[: ranks[0]] = y[: ranks[0]]    # rows of zeros
         for r, (first, last) in enumerate(zip(ranks, ranks[1:]), 1):
             if last > first + 1:    # rows that r columns predict before the others show
@@ -127,13 +137,18 @@ class RecursiveLS:
         self.nobs, self.df_model, self.df_resid = n, d, n - d
         self.params: Floats = np.asarray(f.theta, dtype=np.float64)
         w = self._seen()
-        self.scale = float(np.sum(w**2)) / (n - d)
         P = np.empty((d, d))
-        for j, psi in enumerate(np.eye(d)):    # K = P psi gamma of one row more, solved for with R
-            after = f.copy()
-            P[j] = after.update(psi, self.params[j]).gamma ** -1 * after.gain
-        self.normalized_cov_params: Floats = (P + P.T) / 2
-        self.bse: Floats = np.sqrt(self.scale * np.diag(P))
+        with np.errstate(all="ignore"):
+            self.scale = float(np.sum(w**2)) / (n - d)
+            for j, psi in enumerate(np.eye(d)):    # K = P psi gamma of one row more, solved for with R
+                after = f.copy()
+                P[j] = np.float64(after.update(psi, self.params[j]).gamma) ** -1 * after.gain
+            self.normalized_cov_params: Floats = (P + P.T) / 2
+            self.bse: Floats = np.sqrt(self.scale * np.diag(P))
+        least = np.finfo(float).tiny    # a smaller number has lost digits
+        squares = np.array([*np.diag(P), self.scale if w.any() else 1.0])
+        if not (np.isfinite(self.bse).all() and (squares >= least).all()):
+            raise ValueError(beyond)
         with np.errstate(divide="ignore", invalid="ignore"):
             self.tvalues: Floats = self.params / self.bse
             self.cusum: Floats = np.cumsum(w) / np.std(w, ddof=1)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin  # type: ignore[import]
 from sklearn.utils.validation import check_is_fitted  # type: ignore[import]
 
-from . import HEALTHS, SIGNALS, _options, filter
+from . import HEALTHS, SIGNALS, _options, _rows, filter
 
 Self = TypeVar("Self", bound="RLSRegressor")
 
@@ -23,14 +23,22 @@ def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> 
         how["force_all_finite"], validate = finite, type(estimator)._validate_data
     else:
         how["ensure_all_finite"], validate = finite, validate_data
+    for name, part in zip("Xy", given):
+        rows = part if isinstance(part, (list, tuple)) else ()
+        if any(isinstance(one, np.ma.MaskedArray) and np.any(one.mask) for one in (part, *rows)):
+            raise _rows.is_masked(name)
     try:
-        return validate(estimator, *given, **how)
+        valid = validate(estimator, *given, **how)
+        if len(given) > 1 and valid[1].dtype.kind == "f" and not np.isfinite(valid[1]).all():    # of a None
+            raise ValueError("Input y contains NaN.")
+        return valid
     except ValueError as error:
         line, more, _ = str(error).partition("\n")
-        if not more or "NaN" not in line:
+        of_y = line.startswith("Input y contains") or line == "Input contains NaN"    # the latter of objects
+        if not of_y and (not more or "NaN" not in line):
             raise
-        remedy = 'leave such rows out, or guard="reset", which skips and counts them in fit and partial_fit'
-        raise ValueError(f"{line.rstrip('.')}: {remedy}") from None
+        guard = "" if of_y else ', or guard="reset", which skips and counts them in fit and partial_fit'
+        raise ValueError(f"{line.rstrip('.')}: leave such rows out{guard}") from None
 
 
 class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
@@ -60,7 +68,8 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     noise_variance_ : float
         Of y about its prediction: the mean of gamma e^2 / (gamma + r lambda (1 - gamma)), e the innovation and r =
         (1 + lambda^n) / (1 + lambda), over the rows taken, weighted as by `forgetting`, of a window the last. Rows that
-        a guard sets aside do not enter, nor those of gamma <= 0.001, which show theta. NaN for too few rows.
+        a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which show
+        theta. NaN for too few rows.
     filter_ : rlslab.Filter
         With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first.
 
@@ -99,25 +108,25 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
         """Forget all and process these rows, the oldest first.
 
-        ValueError for data that are not finite, and for rows that do not determine theta.
+        ValueError for data that are not finite, for rows that do not determine theta, and where theta is none that they
+        determine: their squares overflow, or vanish, or a guard's own P outweighs them.
         """
         rows, outputs = _validated(self, X, y, y_numeric=True, reset=True, finite=self.guard is None)
         self._start()
-        self._process(rows, outputs)
-        if self.prior_variance is None and self.filter_.copy().pass_time().health in ("undetermined", "indefinite"):
-            raise ValueError(
-                f"n_samples = {len(rows)}: the rows do not determine {self.filter_.size} parameters, the constant "
-                "among them: leave out columns that depend on others, or give prior_variance"
-            )
+        self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole=True)
         return self
 
     def partial_fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Process these rows after those before."""
+        """Process these rows after those before.
+
+        ValueError as of `fit`, but for rows that do not determine theta yet, or that a guard sets aside.
+        """
         first = not hasattr(self, "filter_")
         rows, outputs = _validated(self, X, y, y_numeric=True, reset=first, finite=self.guard is None)
         if first:
             self._start()
-        return self._process(rows, outputs)
+        self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole=False)
+        return self
 
     def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """X theta; with `return_std` also the standard deviation of y about it, noise and theta's error together."""
@@ -128,6 +137,50 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             return mean + self._first[-1]
         along = np.array([self._along(row, y) for row, y in zip(rows, mean)])
         return mean + self._first[-1], np.sqrt(self.noise_variance_ * (1 + self._share(self._n) * along))
+
+    def _expect_an_answer(self, X: NDArray[Any], y: NDArray[Any], steps: NDArray[np.void], whole: bool) -> None:
+        """ValueError where theta is no number, or is not of these rows."""
+        theta = np.append(self.coef_, self.intercept_)
+        if not whole and (self.guard is not None or (np.isfinite(theta).all() and not steps["health"][-1])):
+            return
+        finite = np.isfinite(X).all(axis=1)
+        if not finite.any():
+            raise ValueError("no row of X is finite")
+        most = np.abs(X[finite]).max(axis=0)
+        sizes = f"columns of X of up to {most.min():.1e} to {most.max():.1e}, y of up to {np.abs(y).max():.1e}"
+        if self.prior_variance is not None:
+            sizes += f", prior_variance {self.prior_variance:.1e}"
+        held = f"squares {self.filter_.dtype} does not hold ({sizes})"
+        memory = ", keep more rows in memory" if self.forgetting < 1 or self.window or self.control else ""
+        after = self.filter_.copy().pass_time().health    # the last step tells of the rows before it
+        if whole and after == "undetermined":
+            among = ", the constant among them" if self.fit_intercept else ""
+            raise ValueError(
+                f"n_samples = {len(X)}: the rows do not determine {self.filter_.size} parameters{among}: leave out "
+                f"columns that depend on others, scale those whose {held}{memory}, or give prior_variance"
+            )
+        last = HEALTHS[steps["health"][-1]] if self.guard is None else after
+        health = next((h for h in (after, last) if h in ("nonfinite", "indefinite")), "sound")
+        lost = steps["health"][-self.window :] == HEALTHS.index("nonfinite")
+        none = after == "sound" and not np.isfinite(theta).all()
+        if health != "sound" or none or (whole and (lost & finite[-self.window :]).sum() >= (~lost).sum()):
+            other = "another variant" if self.filter_.dtype == np.float64 else "another variant, or float64"
+            raise ValueError(
+                f"the rows leave no theta, health {health}: scale what has {held}{memory}, or take {other}"
+            )
+        if whole and self._outweighed(X[finite]):
+            raise ValueError(
+                "the guard's limit of P, or its new start, outweighs the rows: scale them, or set largest_variance of "
+                f"guard_options ({sizes})"
+            )
+
+    def _outweighed(self, X: NDArray[Any]) -> bool:
+        """Whether a guard put more into P^-1 than all rows have of some column: by a restart, or by its limit of P."""
+        counts, limit = self.filter_.counts, (self.guard_options or {}).get("largest_variance")
+        own = self.guard is not None and (limit is None or counts.breakdowns + counts.changes > 0)
+        if not own or self.prior_variance is not None or self.control is not None:
+            return False
+        return bool((np.diag(self.filter_.information) > 2 * (self._rows(X) ** 2).sum(axis=0)).any())
 
     def _along(self, psi: NDArray[Any], y: float) -> float:
         """psi'P psi, of the gain that this row would have: offsets and scales cost it no digits, as they do in P."""
@@ -150,6 +203,8 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return np.column_stack([rows - self._first[:-1], np.ones(len(rows))]) if self.fit_intercept else rows
 
     def _start(self) -> None:
+        if self.prior_variance == np.inf:
+            raise ValueError("expected a finite prior_variance, or None: no prior")
         try:
             self.filter_ = filter(
                 self.variant, self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
@@ -164,7 +219,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self._n, self._sum, self._weight = 0, 0.0, 0.0    # rows since the start; of the squares, and of their weights
         self._squares = np.empty(0)    # of the rows in the window
 
-    def _process(self: Self, X: NDArray[Any], y: NDArray[Any]) -> Self:
+    def _process(self, X: NDArray[Any], y: NDArray[Any]) -> NDArray[np.void]:
         if not np.isfinite(self._first).all():
             k = np.argmax(np.isfinite(X).all(axis=1))
             self._first = np.append(X[k], y[k]).astype(np.float64)
@@ -183,7 +238,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.intercept_ = 0.0
         if self.fit_intercept:
             self.intercept_ = float(self._first[-1] + theta[-1] - self._first[:-1] @ self.coef_)
-        return self
+        return steps
 
     def _squares_of(self, steps: NDArray[np.void]) -> NDArray[np.float64]:
         """What each row says of the noise's variance (docs/theory.md 61), as `Assessed` of C++ has it; NaN: nothing."""
@@ -195,4 +250,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self._n = int(n[-1])
         taken = (steps["health"] == HEALTHS.index("sound")) & np.isin(signal, (none, windup)) & (gamma > 0.001)
         expected = gamma + self._share(n[:-1]) * self.forgetting * (1 - gamma)
+        if begun[-1] >= 0:    # what came before is of another theta
+            self._sum, self._weight, self._squares = 0.0, 0.0, np.empty(0)
+            taken &= k[1:] > begun[-1]
         return np.where(taken, steps["innovation"] * steps["residual"] / expected, np.nan)

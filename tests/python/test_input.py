@@ -111,6 +111,8 @@ def test_frames_of_true_and_false_and_of_nullable_columns():
             rlslab.Ud(3).update_many(frame, Y)
         with pytest.raises(TypeError, match=r"^y: column 'shift work'"):
             rlslab.Ud(3).update_many(PSI, frame["shift work"])
+    with pytest.raises(TypeError, match=r"^y holds object"):
+        rlslab.Ud(3).update_many(PSI, pd.Series(list("pqrstu")))
 
 
 def test_float_rows_are_rounded_once():

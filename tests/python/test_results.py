@@ -80,6 +80,37 @@ def test_they_are_those_of_statsmodels():
     assert np.allclose(ours.recursive_coefficients[5:], theirs.recursive_coefficients.filtered.T[5:], rtol=1e-5)
 
 
+@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.parametrize("ten", [-310, -300, -200, -160, -155, -150, -100, 100, 150, 155, 160, 200, 300, 307])
+def test_in_any_unit_the_same_or_a_clear_line(ten, both):
+    X, y = rows(50, 3)
+    unit, plain = 10.0**ten, RecursiveLS(y, X)
+    try:
+        fit = RecursiveLS(y * unit if both else y, X * unit)
+    except ValueError as error:
+        assert abs(ten) > 150 and "float64 does not hold the squares" in str(error)
+    else:
+        assert abs(ten) <= 160
+        assert np.allclose(fit.tvalues, plain.tvalues, rtol=1e-9) and np.allclose(fit.cusum, plain.cusum, rtol=1e-9)
+        assert np.allclose(fit.bse * (1 if both else unit), plain.bse, rtol=1e-9)
+
+
+def test_a_record_without_noise_has_errors_of_rounding():
+    fit = RecursiveLS(np.arange(9.0), np.column_stack([np.ones(9), np.arange(9.0)]))
+    assert fit.scale < 1e-25 and np.isfinite(fit.bse).all()
+    assert RecursiveLS(np.zeros(9), np.ones((9, 1))).scale == 0
+
+
+def test_what_is_wrong_is_named():
+    X, y = rows(10, 3)
+    for bad in (np.nan, np.inf):
+        with pytest.raises(ValueError, match=r"^endog\[7\] is not finite; leave such rows out$"):
+            RecursiveLS(np.where(np.arange(10) == 7, bad, y), X)
+    for shape in (y[:, None], y[:-1]):
+        with pytest.raises(ValueError, match=r"^endog has shape .*, expected \(10,\) as exog has 10 rows$"):
+            RecursiveLS(shape, X)
+
+
 def test_bad_input():
     X, y = rows(10, 3)
     for endog, exog in [(y[:3], X[:3]), (y, X[:, 0]), (y[:-1], X), (y, np.ones((10, 3))), (y, X * np.nan), ("a", X),

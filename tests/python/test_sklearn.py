@@ -142,6 +142,23 @@ def test_the_noise_is_that_of_the_rows_taken(options, spoil):
     assert 0.008 < np.mean(variances) < 0.012, np.mean(variances)
 
 
+@pytest.mark.parametrize("options", [{}, {"guard": "rebuild"}, {"window": 1000}, {"forgetting": 0.9999}], ids=str)
+def test_the_noise_forgets_what_a_guard_starts_again_for(options):
+    """An outlier before it knows the noise: the rows up to its new start are of no theta, in parts, too."""
+    for seed in range(9):
+        g = np.random.default_rng(seed)
+        X = g.standard_normal((1000, 3))
+        y = X @ [1, 2, 3] + 4 + 0.1 * g.standard_normal(1000)
+        y[40] = 1000
+        model = RLSRegressor(**{"guard": "reset", **options}).fit(X, y)
+        assert model.filter_.counts.changes == 1
+        assert 0.008 < model.noise_variance_ < 0.0125
+        parts = RLSRegressor(**{"guard": "reset", **options})
+        for k in range(0, 1000, 50):
+            parts.partial_fit(X[k : k + 50], y[k : k + 50])
+        assert np.isclose(parts.noise_variance_, model.noise_variance_)
+
+
 def test_rows_that_are_not_finite():
     X, y = rows(100, 3)
     bad = X.copy()
@@ -155,6 +172,97 @@ def test_rows_that_are_not_finite():
     assert np.array_equal(model.coef_, without.coef_) and model.intercept_ == without.intercept_
     with pytest.raises(ValueError, match="NaN"):
         model.predict(bad)
+
+
+@pytest.mark.parametrize("guard", [None, "reset"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, None])
+def test_y_that_is_not_finite(bad, guard):
+    X, y = rows(20, 3)
+    y = y.astype(object)
+    y[3] = bad
+    with pytest.raises(ValueError, match="^Input (y )?contains [^\n]*: leave such rows out$"):
+        RLSRegressor(guard=guard).fit(X, y)
+
+
+def test_masked_rows_are_refused_as_elsewhere():
+    X, y = rows(20, 3)
+    hidden, part = np.ma.masked_where(X == X[3, 1], X), np.ma.masked_where(y == y[5], y)
+    plain = RLSRegressor().fit(X, y)
+    assert np.array_equal(RLSRegressor().fit(np.ma.array(X), np.ma.array(y)).coef_, plain.coef_)
+    for call, name in [(lambda: RLSRegressor().fit(hidden, y), "X"), (lambda: RLSRegressor().fit(list(hidden), y), "X"),
+                       (lambda: RLSRegressor(guard="reset").partial_fit(X, part), "y"),
+                       (lambda: plain.predict(hidden), "X")]:
+        with pytest.raises(TypeError, match=f"^{name} is a masked array: leave its masked rows out"):
+            call()
+
+
+ALONE = ("kalman", "extended_qr", "qr_block")    # take no guard
+FREE = ("qr", "qr_block", "gentleman", "information")
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("guard", [None, "report", "reset", "rebuild"])
+@pytest.mark.parametrize("variant", FREE)
+def test_the_answer_is_that_of_the_rows_in_any_unit_or_none(variant, guard, dtype):
+    """Also by squares that overflow, vanish, or are less than what a guard puts into P^-1."""
+    if variant == "qr_block" and guard:
+        pytest.skip("qr_block takes no guard")
+    g = np.random.default_rng(0)
+    X = g.uniform(-1, 1, (1000, 3))
+    y, answers = X @ [1, 2, 3] + 4 + 0.1 * g.standard_normal(1000), {}
+    tens = [*range(-310, 301, 10), -5, 5, 307.6, 308.2] if dtype == "float64" else [*range(-40, 38, 5), 18.3, 38]
+    for ten in tens:
+        unit = 10.0**ten
+        try:
+            model = RLSRegressor(variant, dtype=dtype, guard=guard).fit(X * unit, y)
+        except ValueError as error:
+            assert "scale" in str(error) and "columns of X of up to" in str(error) and "\n" not in str(error)
+            assert abs(ten) > 3, ten
+        else:
+            answers[ten] = model.coef_ * unit
+            barely = ten < (-150 if dtype == "float64" else -20)    # squares that have lost digits
+            assert np.allclose(answers[ten], [1, 2, 3], atol=0.05 if barely else 0.02), (ten, answers[ten])
+    assert 0 in answers and len(answers) < len(tens)
+    if guard is None and variant[:2] == "qr":
+        assert {-300, 300} <= set(answers) if dtype == "float64" else {-35, 35} <= set(answers)
+
+
+@pytest.mark.parametrize("guard", [None, "report", "reset"])
+@pytest.mark.parametrize("variant", rlslab.variants())
+def test_no_prior_is_an_answer(variant, guard):
+    X, y = rows(200, 3, dtype=np.float32)
+    with pytest.raises(ValueError, match="prior_variance, or None"):
+        RLSRegressor(variant, prior_variance=np.inf, guard=guard).fit(X, y)
+    try:
+        model = RLSRegressor(variant, prior_variance=1e4, dtype="float32", guard=guard).fit(X * 1e18, y)
+        assert np.allclose(model.coef_ * 1e18, [1, 2, 3], atol=0.1)
+    except ValueError as error:
+        if "cannot be composed" not in str(error):
+            assert "squares float32 does not hold" in str(error) and "prior_variance 1.0e+04" in str(error)
+    if guard and variant not in ALONE:
+        with pytest.raises(ValueError, match="no row of X is finite"):
+            RLSRegressor(variant, prior_variance=1e4, guard=guard, fit_intercept=False).fit(X * np.nan, y)
+
+
+def test_what_a_part_spoils_is_said_then():
+    X, y = rows(100, 3)
+    model = RLSRegressor("gentleman").partial_fit(X[:50], y[:50])
+    with pytest.raises(ValueError, match="squares float64 does not hold"):
+        model.partial_fit(X[50:] * 1e200, y[50:])
+    guarded = RLSRegressor(guard="reset").partial_fit(X[:50], y[:50])
+    before = guarded.coef_
+    assert np.array_equal(guarded.partial_fit(X[50:] * np.nan, y[50:]).coef_, before)
+
+
+def test_what_is_not_determined_for_its_size_or_memory():
+    X, y = rows(60, 3)
+    with pytest.raises(ValueError, match="squares float32 does not hold .columns of X of up to 2.*e-30 to .*e-30"):
+        RLSRegressor("gentleman", dtype="float32").fit(X * 1e-30, y)
+    with pytest.raises(ValueError, match="keep more rows in memory"):
+        RLSRegressor(forgetting=1e-300).fit(X, y)
+    with pytest.raises(ValueError) as error:
+        RLSRegressor(fit_intercept=False).fit(X[:2], y[:2])
+    assert "constant" not in str(error.value) and "memory" not in str(error.value)
 
 
 def test_its_own_parameters_are_checked_when_it_is_fitted():
