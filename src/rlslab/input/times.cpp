@@ -230,7 +230,7 @@ std::optional<std::string> sentence_on_times(Columns const& data) {
     if (!named && !plain) return {};
     if (!(named && plain) && back > all / 4 && back < all - 1 - all / 4) return {};
     std::vector<std::string> parts;
-    if (back == std::ssize(steps)) parts.push_back("the newest row is first");
+    if (back == std::ssize(steps)) parts.emplace_back("the newest row is first");
     else if (back > 0) parts.push_back(fmt::format("{} of {} steps go back", back, all - 1));
     auto const than_the_median = [&](long n, char const* what) {
         if (n > 0) parts.push_back(counted(n, "step is ", "steps are ") + fmt::format("{}, {:.6g}", what, median));
