@@ -168,12 +168,13 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     auto const head = [&](std::string const& name, std::string const& text) {
         return fmt::format("{:<12}", name) + wrapped(text, 12, 12, width) + '\n';
     };
-    std::string out =
-        head("record", fmt::format("{}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}",
-                                   c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size,
-                                   c.size == 1 ? "" : "s",
-                                   std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition),
-                                   c.options.forgetting));
+    std::string const condition = std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition);
+    std::string record = c.model.file.empty() ? "" : c.model.file + ": ";
+    record += fmt::format("{} rows, {} skipped", c.rows, c.skipped);
+    if (c.run && c.run->rows > 0 && c.run->rows < c.rows + c.skipped)
+        record += fmt::format(" (with those that --time put between the {} of the file)", c.run->rows);
+    std::string out = head("record", record + fmt::format("; {} parameter{}, condition {}, forgetting {}", c.size,
+                                                          c.size == 1 ? "" : "s", condition, c.options.forgetting));
     out += head("prior", prior_text(c));
     if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
     for (std::string const& warning : warnings(c)) out += paint("31", head("warning", warning));

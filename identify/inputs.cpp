@@ -85,7 +85,8 @@ InputCheck check_inputs(Record const& record, IdentifyOptions const& options, Pr
         if (t.input >= 0) ++coefficients[size_t(t.input)];
     Index const needed = inputs > 0 ? *std::ranges::max_element(coefficients) - 1 : widest_order(options);
     InputCheck out{.supported = needed, .excitation = {}, .remarks = {}};
-    if (!record.of_times.empty()) out.remarks.push_back({Rank::time, record.of_times, time_option(record.time)});
+    if (std::string const &said = record.of_times, mends = time_option(record.time); !said.empty())
+        out.remarks.push_back({Rank::time, said, said.ends_with(mends) ? mends : ""});
     for (std::string const& sentence : record.warnings) out.remarks.push_back({Rank::excitation, sentence, ""});
     for (size_t j = 0; j < inputs; ++j) {
         Signal const& u = record.inputs_with_means[j];

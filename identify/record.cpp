@@ -45,6 +45,7 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
     for (std::string const& name : names)
         if (std::ranges::count(names, name) > 1)
             throw InputError(fmt::format("{}: column \"{}\" is named twice", name_of_file(file.path), printable(name)));
+    expect_times_apart(options.time, options.output, options.inputs);
     Columns columns = read_data(file, names, options.time);
     std::string const of_times = options.time.empty() ? sentence_on_times(columns).value_or("") : "";
     if (!options.time.empty())

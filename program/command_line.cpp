@@ -85,6 +85,10 @@ struct CommandLine {
             CLI::Option const* const option =
                 words[i].starts_with("--") ? taker->get_option_no_throw(words[i]) : nullptr;
             if (option == nullptr || takes_nothing(*option) || ++i == words.size()) continue;
+            if (option->get_delimiter() == ',' && !words[i].empty() &&
+                words[i].find_first_not_of(',') == std::string::npos)
+                throw InputError(fmt::format("{}: expected {}, found \"{}\"", words[i - 1], option->get_type_name(),
+                                             printable(words[i])));
             if (words[i].starts_with("--") &&
                 taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
                 throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1],

@@ -214,6 +214,7 @@ Question question_of(RecordArguments a, std::optional<Columns>* kept) {
     if (known) a.regressors = names_before_lags(a.regressors, (*kept)->names);
     else if (!a.file.empty()) a.regressors = names_before_lags(a.regressors, file);
     Model const model = model_of(a);
+    expect_times_apart(a.time, a.output, a.inputs);
     Columns data = known ? **kept : columns_of(a, file, model.columns);
     if (kept && !*kept) *kept = data;
     Question out;

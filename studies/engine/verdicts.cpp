@@ -156,8 +156,8 @@ Record record_from(std::string const& json) {
                     throw InputError(fmt::format(
                         "a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said)));
             }
-    } catch (nlohmann::json::exception const& error) {
-        throw InputError(fmt::format("a record of verdicts: {}", error.what()));
+    } catch (nlohmann::json::exception const&) {
+        throw InputError("a record of verdicts: expected verdicts.json of a run");
     }
     return out;
 }

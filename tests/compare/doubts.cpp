@@ -183,6 +183,8 @@ TEST_F(CompareTimes, GapsAndDoublesAndOrderAreSeenAndMended) {
     EXPECT_NE(theta("dropped.csv"), theta("emptied.csv"));
     EXPECT_EQ(theta("dropped.csv --time t"), theta("emptied.csv"));
     EXPECT_EQ(theta("emptied.csv --time t"), theta("emptied.csv"));
+    EXPECT_THAT(shell("rlslab compare dropped.csv" + std::string(model) + "--time t --variants ud").out,
+                HasSubstr(fmt::format("between the {}", dropped.size())));
     for (char const* const name : {"all.csv", "doubled.csv", "backward.csv", "shuffled.csv"}) {
         EXPECT_EQ(theta(name + std::string(" --time t")), right) << name;
         EXPECT_THAT(warnings("compare " + std::string(name) + model + "--time t --variants ud"), testing::IsEmpty())

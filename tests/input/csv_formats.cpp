@@ -111,6 +111,9 @@ TEST(CsvRefuses, WhatOtherProgramsWrite) {
     EXPECT_THAT(refusal("\xd0\xcf\x11\xe0", {"u"}), Names("data.csv UTF-8 CSV"));
     EXPECT_THAT(refusal(std::string("u\0,\0y\0\n\0", 8), {"u"}), Names("data.csv UTF-8 UTF-16LE iconv"));
     EXPECT_THAT(refusal(std::string("\0u\0,\0y\0\n", 8), {"u"}), Names("data.csv UTF-8 UTF-16BE iconv"));
+    for (std::string const& text : {std::string("u\0\0\0,\0\0\0y\0\0\0", 12), std::string("\0\0\0u\0\0\0,", 8),
+                                    std::string("\xff\xfe\0\0u\0\0\0", 8), std::string("\0\0\xfe\xff\0\0\0u", 8)})
+        EXPECT_THAT(refusal(text, {"u"}), Names("data.csv UTF-8 UTF-32 iconv"));
     EXPECT_THAT(refusal(std::string("\0\0\0\0\n", 5), {"u"}), Names("data.csv:1 zero"));
 }
 
@@ -277,6 +280,21 @@ TEST(Missing, WordsAndNumbersMayBeDeclared) {
     EXPECT_THAT(refusal("u,y\nNo Data,1\n", {"u"}), Names("data.csv:2 1 u No Data --missing"));
     EXPECT_THAT(refusal("u,y\n-1.#IND,1\n", {"u"}), Names("data.csv:2 1 u -1.#IND --missing"));
     EXPECT_EQ(refusal("u,y\n1.5D+3,1\n", {"u"}).find("--missing"), std::string::npos) << "a number of a kind";
+}
+
+/// Halves of a number with a decimal comma.
+TEST(Missing, ANumberThatACommaPartedIsNamed) {
+    CsvFormat const format{.missing = {"-999", "9"}};
+    EXPECT_THAT(refusal("u;y\n1,5;2\n-999,9;3\n", {"u"}, format), Names("data.csv:3 1 u -999,9 --missing -999.9"));
+    EXPECT_EQ(read("u;y\n1,5;2\n-999;3\n", {"y"}, format)["y"], (Numbers{2, 3})) << "two numbers";
+    EXPECT_TRUE(std::isnan(read("u;y\n-999,9;2\n1,5;3\n", {"u"}, {.missing = {"-999.9"}})["u"][0]));
+}
+TEST(Above, ARuleUnderTheNamesIsNoRow) {
+    Columns const data = read("| u | y |\n|---|:---|\n| 1 | 2 |\n| 3 | 4 |\n", {"u", "y"});
+    EXPECT_EQ(data.values, (std::vector<Numbers>{{1, 3}, {2, 4}}));
+    EXPECT_EQ(data.lines, (std::vector<long>{3, 4}));
+    EXPECT_EQ(read("u y\n--- ---\n1 2\n", {"u"})["u"], (Numbers{1}));
+    EXPECT_THAT(refusal("u,y\n1,2\n---,---\n", {"u"}), Names("data.csv:3 1 u ---")) << "between rows";
 }
 
 // --- a first row of numbers and text ---------------------------------------------------------------------------------

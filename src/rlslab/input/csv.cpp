@@ -5,7 +5,7 @@
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/csv_marks.hpp>
 #include <rlslab/input/csv_text.hpp>
-#include <rlslab/input/times.hpp>
+#include <rlslab/input/csv_times.hpp>
 
 #include <fmt/format.h>
 
@@ -64,6 +64,17 @@ struct Split {
         }
     }
 };
+
+/// "|---|:---|", under the names of a table in Markdown.
+bool is_rule(Row const& row) {
+    bool dashes = false;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+        bool const here = row[i].size() > 2 && row[i].find_first_not_of("-:") == std::string_view::npos;
+        if (!here && !row[i].empty()) return false;
+        dashes |= here;
+    }
+    return dashes;
+}
 
 }  // namespace
 
@@ -302,6 +313,11 @@ double CsvFile::State::number_in(std::size_t column) {
              complaint(kind, row[column]) + (kind == Kind::text && header && line <= first + 2
                                                  ? fmt::format("; if line {} has units or types, delete it", line)
                                                  : ""));
+    if (std::string const word = kind == Kind::comma || kind == Kind::comma_or_group ? torn(format.missing, value) : "";
+        !word.empty())
+        fail(line, column,
+             fmt::format("{} is no missing value: a comma in --missing parts words; write --missing {}",
+                         in_quotes(row[column]), word));
     pass(marks.number(kind, line, column, row[column]));
     return value;
 }
@@ -362,6 +378,11 @@ Columns CsvFile::read(std::vector<std::string> const& requested, std::string con
     if (!time.empty()) times = column_called(time, s.names, s.header, s.lines.name(), names_at);
     Columns data{.file = s.lines.name(), .header = s.header, .names = requested};
     data.values.resize(requested.size());
+    TimeCells clock;
+    auto const without_times = [&](bool told) {
+        if (told && named_as_time(s.names[*times])) data.time = s.names[*times], data.unread_time = clock.unread;
+        times.reset(), data.times.clear();
+    };
     long const most_rows = s.most / long(requested.size() + 1);  // one more for the line on which each row begins
     for (bool more = !s.header || above || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
@@ -370,6 +391,7 @@ Columns CsvFile::read(std::vector<std::string> const& requested, std::string con
                    fmt::format("expected {} columns as in line {}, found {}{}", s.names.size(), s.first, s.row.size(),
                                halves ? " (decimal commas? they need another separator, or quotes)" : ""));
         }
+        if (data.lines.empty() && s.header && is_rule(s.row)) continue;
         for (long const blank : std::exchange(s.blank_lines, {})) {
             if (data.lines.empty()) continue;
             for (auto& column : data.values) column.push_back(std::numeric_limits<double>::quiet_NaN());
@@ -378,16 +400,14 @@ Columns CsvFile::read(std::vector<std::string> const& requested, std::string con
         }
         if (data.rows() >= most_rows) s.fail(s.line, fmt::format("expected at most {} rows", most_rows));
         for (std::size_t i = 0; i < columns.size(); ++i) data.values[i].push_back(s.number_in(columns[i]));
-        if (auto const at = times ? time_in(s.row[*times]) : std::nullopt) data.times.push_back(*at);
-        else if (times && !time.empty())
-            s.fail(s.line, *times, fmt::format("expected a time (a number, 2024-05-17 06:00:00, 17.05.2024 06:00, 06:00:00), "
-                               "found {}",
-                               in_quotes(s.row[*times])));
-        else if (times) {
+        if (times) {
             std::string_view const cell = s.row[*times];
-            if (named_as_time(s.names[*times]) && cell[0] >= '0' && cell[0] <= '9')
-                data.time = s.names[*times], data.unread_time = in_quotes(cell);
-            times.reset(), data.times.clear();
+            Reading const reading = s.reading(cell);
+            auto const at = clock.read(reading, cell, s.line, *times);
+            if (at) data.times.push_back(*at);
+            if (at && !time.empty()) s.pass(s.marks.number(reading.kind, s.line, *times, cell));
+            if (!at && !time.empty()) s.fail(s.line, *times, clock.expected);
+            if (!at) without_times(cell[0] >= '0' && cell[0] <= '9');
         }
         s.marks.row(s.row, s.line);
         data.lines.push_back(s.line);
@@ -396,7 +416,9 @@ Columns CsvFile::read(std::vector<std::string> const& requested, std::string con
         throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file,
                                      listed(s.names)));
     s.pass(s.marks.end(s.format.separator));
+    if (times && time.empty() && clock.in_doubt(s.marks, s.format.separator)) without_times(true);
     if (times) data.time = s.names[*times];
+    if (clock.numbers()) stamps_to_seconds(data);
     return data;
 }
 

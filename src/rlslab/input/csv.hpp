@@ -20,7 +20,7 @@ struct Columns {
     std::string sha256 = {};                       ///< of the whole file, as read_data leaves it; otherwise empty
     std::string time = {};                         ///< a column of times; empty: none
     std::vector<double> times = {};                ///< rows() of them
-    std::string unread_time = {};                  ///< a cell of `time` that is none, if it is called as one
+    std::string unread_time = {};                  ///< why `time` is not read, if it is called as one
     Index rows() const { return Index(lines.size()); }
     /// The column of that name. Throws std::invalid_argument when it is not among names.
     std::vector<double> const& operator[](std::string const& name) const;

@@ -66,6 +66,16 @@ bool is_among(std::vector<std::string> const& words, double value) {
     return std::ranges::any_of(words, [&](std::string const& word) { return reading_of(word).value == value; });
 }
 
+std::string torn(std::vector<std::string> const& words, double value) {
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        std::string_view const whole = words[i - 1];
+        if (!all_digits(whole.substr(whole.starts_with('-'))) || !all_digits(words[i])) continue;
+        std::string const word = words[i - 1] + '.' + words[i];
+        if (reading_of(word).value == value) return word;
+    }
+    return "";
+}
+
 Reading reading_of(std::string_view cell, std::vector<std::string> const& words) {
     if (!words.empty()) {
         if (std::ranges::any_of(words, [&](std::string const& word) { return same_word(cell, word); }))

@@ -20,6 +20,9 @@ struct Reading {
 Reading reading_of(std::string_view cell, std::vector<std::string> const& words = {});
 /// Whether one of the words is that number.
 bool is_among(std::vector<std::string> const& words, double value);
+/// "-999.9" where that is the value and two words that follow one another are its halves: -999,9 was written for one
+/// word. Empty: it is none.
+std::string torn(std::vector<std::string> const& words, double value);
 
 /// Whether the cell has a value or is missing.
 bool is_value(Kind kind);

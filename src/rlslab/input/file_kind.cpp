@@ -11,7 +11,10 @@ struct FileKind {
 };
 
 constexpr std::string_view utf_16 = "UTF-16: save it as UTF-8 (iconv -f UTF-16LE -t UTF-8, or UTF-16BE)";
-constexpr FileKind of_bytes[] = {{"\xff\xfe", utf_16},
+constexpr std::string_view utf_32 = "UTF-32: save it as UTF-8 (iconv -f UTF-32LE -t UTF-8, or UTF-32BE)";
+constexpr FileKind of_bytes[] = {{std::string_view("\xff\xfe\0\0", 4), utf_32},
+                                 {std::string_view("\0\0\xfe\xff", 4), utf_32},
+                                 {"\xff\xfe", utf_16},
                                  {"\xfe\xff", utf_16},
                                  {"\x1f\x8b", "gzip's compressed data: unpack them first"},
                                  {"BZh91AY", "bzip2's compressed data: unpack them first"},
@@ -49,7 +52,7 @@ bool in_pairs(std::string_view begin) {
 std::string_view not_a_table(std::string_view begin) {
     for (auto const& [begins, what] : of_bytes)
         if (begin.starts_with(begins)) return what;
-    if (in_pairs(begin)) return utf_16;
+    if (in_pairs(begin)) return begin.substr(1, 2) == std::string_view("\0\0", 2) ? utf_32 : utf_16;
     if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
     begin.remove_prefix(std::min(begin.find_first_not_of(" \t"), begin.size()));
     auto const same = [](char a, char b) { return ('A' <= a && a <= 'Z' ? a - 'A' + 'a' : a) == b; };

@@ -2,6 +2,7 @@
 #include <rlslab/input/times.hpp>
 
 #include <rlslab/input/csv_number.hpp>
+#include <rlslab/input/csv_text.hpp>
 
 #include <fmt/format.h>
 
@@ -9,12 +10,12 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 
 namespace rlslab {
 namespace {
 
-constexpr double longer = 1.5;  // medians, from which on rows are missing
+constexpr double longer = 1.501;  // medians, beyond which rows are missing; 1.5, and the rounding of times
+constexpr double nearly = 0.1001;
 
 /// A whole number of so many digits at the front of the text, which is taken off; behind it stands `end`, if not 0.
 std::optional<int> taken(std::string_view& text, std::size_t digits, char end) {
@@ -41,23 +42,66 @@ std::optional<double> date_in(std::string_view& text) {
     return 86400.0 * double(std::chrono::sys_days(date).time_since_epoch().count());
 }
 
-std::optional<double> hour_in(std::string_view text) {
-    if (auto const zone = text.find_first_of("Z+-"); zone != text.npos) text = text.substr(0, zone);
+/// "Z", "+02:00", "-0330", "+02", in seconds.
+std::optional<double> offset_in(std::string_view text) {
+    if (text == "Z") return 0.0;
+    if (text.empty() || (text[0] != '+' && text[0] != '-')) return {};
+    double const sign = text[0] == '-' ? -1 : 1;
+    text.remove_prefix(1);
+    auto const hour = taken(text, 2, 0);
+    if (text.size() == 3 && text[0] == ':') text.remove_prefix(1);
+    auto const minute = text.empty() ? std::optional(0) : taken(text, 2, 0);
+    if (!hour || *hour > 14 || !minute || *minute > 59 || !text.empty()) return {};
+    return sign * (3600.0 * *hour + 60.0 * *minute);
+}
+
+constexpr char const* begins_offset = "Z+-";
+
+/// The hour in seconds; with an offset only behind a date: "06:00-07:00" is an interval.
+std::optional<double> hour_in(std::string_view text, bool dated) {
+    double offset = 0;
+    if (auto const zone = text.find_first_of(begins_offset); zone != text.npos) {
+        auto const found = offset_in(text.substr(zone));
+        if (!found || (!dated && text[zone] != 'Z')) return {};
+        offset = *found;
+        text = csv::trimmed(text.substr(0, zone));
+    }
     auto const hour = taken(text, 2, ':');
     auto const minute = hour ? taken(text, 2, 0) : std::nullopt;
     if (!minute || *hour > 24 || *minute > 59) return {};
     double seconds = 0;
     if (!text.empty()) {
-        auto const [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), seconds);
-        if (text[0] != ':' || error != std::errc() || end != text.data() + text.size() || !(seconds < 62)) return {};
+        if (text[0] != ':' || text.find_first_not_of("0123456789.,", 1) != text.npos) return {};
+        std::string pointed(text.substr(1));
+        std::ranges::replace(pointed, ',', '.');
+        char const* const last = pointed.data() + pointed.size();
+        auto const [end, error] = std::from_chars(pointed.data(), last, seconds);
+        if (error != std::errc() || end != last || !(seconds < 62)) return {};
     }
-    return 3600.0 * *hour + 60.0 * *minute + seconds;
+    return 3600.0 * *hour + 60.0 * *minute + seconds - offset;
 }
 
-/// The rows by their times; of equal ones in the order of the file.
+/// 20240517 and so on, from a number.
+std::optional<double> stamp_in(double number) {
+    if (!(number >= 19000101 && number < 21010000000000) || number != std::floor(number)) return {};
+    std::string const digits = fmt::format("{:.0f}", number);
+    std::string_view text = digits;
+    if (text.size() != 8 && text.size() != 12 && text.size() != 14) return {};
+    int const year = taken(text, 4, 0).value(), month = taken(text, 2, 0).value(), day = taken(text, 2, 0).value();
+    int const hour = taken(text, 2, 0).value_or(0), minute = taken(text, 2, 0).value_or(0),
+              second = taken(text, 2, 0).value_or(0);
+    std::chrono::year_month_day const date{std::chrono::year(year), std::chrono::month(unsigned(month)),
+                                           std::chrono::day(unsigned(day))};
+    if (year < 1900 || year > 2100 || !date.ok() || hour > 24 || minute > 59 || second > 61) return {};
+    return 86400.0 * double(std::chrono::sys_days(date).time_since_epoch().count()) + 3600.0 * hour + 60.0 * minute +
+           second;
+}
+
+/// The rows that have a time by their times; of equal ones in the order of the file.
 std::vector<std::size_t> by_time(std::vector<double> const& times) {
-    std::vector<std::size_t> out(times.size());
-    std::iota(out.begin(), out.end(), std::size_t(0));
+    std::vector<std::size_t> out;
+    for (std::size_t row = 0; row < times.size(); ++row)
+        if (!std::isnan(times[row])) out.push_back(row);
     std::ranges::stable_sort(out, {}, [&](std::size_t row) { return times[row]; });
     return out;
 }
@@ -76,9 +120,36 @@ double median_of(std::vector<double> steps) {
     return *middle;
 }
 
+/// The places of steps that are not nearly a whole number of medians, nor off by the one unit to which all are rounded.
+std::vector<std::size_t> uneven(std::vector<double> const& steps, double median) {
+    std::vector<std::size_t> out;
+    double unit = INFINITY;
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+        if (std::abs(steps[k] - std::max(1.0, std::round(steps[k] / median)) * median) <= nearly * median) continue;
+        out.push_back(k);
+        unit = std::min(unit, std::abs(steps[k] - median));
+    }
+    auto const in_units = [&](double step) { return std::abs(std::remainder(step, unit)) <= 1e-3 * unit; };
+    if (!out.empty() && std::ranges::all_of(steps, in_units))
+        std::erase_if(out, [&](std::size_t k) {
+            return std::abs(steps[k] - median) <= 1.001 * unit && steps[k] <= longer * median &&
+                   median <= longer * steps[k];
+        });
+    return out;
+}
+
+/// More than these are no record of samples that are evenly apart.
+bool too_many(std::vector<std::size_t> const& uneven_ones, std::size_t steps) {
+    return 10 * uneven_ones.size() > steps;
+}
+
 std::string counted(long n, char const* one, char const* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
-bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+bool same_values(Columns const& data, std::size_t a, std::size_t b) {
+    return std::ranges::all_of(data.values, [&](std::vector<double> const& x) {
+        return x[a] == x[b] || (std::isnan(x[a]) && std::isnan(x[b]));
+    });
+}
 
 }  // namespace
 
@@ -90,8 +161,35 @@ std::optional<double> time_in(std::string_view cell) {
     if (date && rest[0] != ' ' && rest[0] != 'T') return {};
     if (date) rest.remove_prefix(1);
     else rest = cell;
-    auto const hour = hour_in(rest);
+    auto const hour = hour_in(rest, date.has_value());
     return hour ? std::optional(date.value_or(0) + *hour) : std::nullopt;
+}
+
+Written written(std::string_view time) {
+    if (auto const kind = csv::reading_of(time).kind; csv::is_value(kind))
+        return kind == csv::Kind::missing ? Written::missing : Written::number;
+    bool const dated = date_in(time).has_value();
+    if (time.find_first_of(begins_offset) != time.npos) return Written::offset;
+    return dated ? Written::date : Written::hour;
+}
+
+void stamps_to_seconds(Columns& data) {
+    if (!named_as_time(data.time)) return;
+    std::vector<double> seconds;
+    for (double const t : data.times) {
+        auto const stamp = std::isnan(t) ? std::optional(t) : stamp_in(t);
+        if (!stamp) return;
+        seconds.push_back(*stamp);
+    }
+    data.times = std::move(seconds);
+}
+
+void expect_times_apart(std::string const& time, std::string const& output, std::vector<std::string> const& inputs) {
+    if (time.empty()) return;
+    bool const input = std::ranges::find(inputs, time) != inputs.end();
+    if (time != output && !input) return;
+    throw InputError(fmt::format("--time: expected a column of times, found \"{}\", which is {}", printable(time),
+                                 input ? "an input" : "the output"));
 }
 
 bool named_as_time(std::string_view column) {
@@ -108,31 +206,44 @@ bool named_as_time(std::string_view column) {
 
 std::optional<std::string> sentence_on_times(Columns const& data) {
     if (!data.unread_time.empty())
-        return fmt::format("{}: {} is not read as a time (2024-05-17 06:00:00 is): gaps between the rows are not seen",
-                           printable(data.time), data.unread_time);
-    std::vector<double> sorted = data.times;
-    std::erase_if(sorted, [](double t) { return std::isnan(t); });
-    std::vector<double> const given = sorted;
-    std::ranges::sort(sorted);
+        return fmt::format("{}: {}: gaps between the rows are not seen", printable(data.time), data.unread_time);
+    std::vector<std::size_t> rows = by_time(data.times);
+    std::vector<double> sorted, given = data.times;
+    for (std::size_t const row : rows) sorted.push_back(data.times[row]);
+    std::erase_if(given, [](double t) { return std::isnan(t); });
     std::vector<double> const steps = steps_of(sorted);
     long const all = std::ssize(sorted), doubled = all - 1 - std::ssize(steps);
-    if (all < 10 || 4 * (std::ssize(steps) + 1) < 3 * all) return {};
+    long alike = 0;
+    for (std::size_t k = 1; k < rows.size(); ++k)
+        alike += sorted[k] == sorted[k - 1] && same_values(data, rows[k], rows[k - 1]);
+    bool const named = named_as_time(data.time), twice = named && 2 * alike > doubled;
+    if (all < 10 || 4 * (std::ssize(steps) + 1) < (twice ? 1 : 3) * all) return {};
     double const median = median_of(steps);
-    auto const near = [&](double step) { return std::abs(step - median) <= 0.1 * median; };
-    if (2 * std::ranges::count_if(steps, near) <= std::ssize(steps)) return {};
-    long const gaps = std::ranges::count_if(steps, [&](double step) { return step > longer * median; });
+    auto const near = [&](double step) { return std::abs(step - median) <= nearly * median; };
+    auto const off = uneven(steps, median);
+    bool const irregular = too_many(off, steps.size()),
+               plain = 2 * std::ranges::count_if(steps, near) > std::ssize(steps) && doubled <= all / 4 && !irregular;
+    long const gaps = std::ranges::count_if(steps, [&](double step) { return step > longer * median; }),
+               closer = std::ranges::count_if(steps, [&](double step) { return step * longer < median; });
     long back = 0;
     for (std::size_t k = 1; k < given.size(); ++k) back += given[k] < given[k - 1];
-    if (!named_as_time(data.time) && back > all / 4 && back < all - 1 - all / 4) return {};
+    if (!named && !plain) return {};
+    if (!(named && plain) && back > all / 4 && back < all - 1 - all / 4) return {};
     std::vector<std::string> parts;
-    if (back == std::ssize(steps)) parts.push_back("the newest row is first");
+    if (back == std::ssize(steps)) parts.emplace_back("the newest row is first");
     else if (back > 0) parts.push_back(fmt::format("{} of {} steps go back", back, all - 1));
-    if (gaps > 0)
-        parts.push_back(counted(gaps, "step is", "steps are") + fmt::format(" longer than the median, {:.6g}", median));
+    auto const than_the_median = [&](long n, char const* what) {
+        if (n > 0) parts.push_back(counted(n, "step is ", "steps are ") + fmt::format("{}, {:.6g}", what, median));
+    };
+    than_the_median(gaps, "longer than the median");
+    than_the_median(closer, "shorter than the median");
+    if (irregular && gaps + closer == 0) than_the_median(std::ssize(off), "more than a tenth off the median");
     if (doubled > 0) parts.push_back(counted(doubled, "row has", "rows have") + " the time of another");
     if (parts.empty()) return {};
-    return fmt::format("{}: {}: rows of the file that are no neighbours in time are taken for such; {}",
-                       printable(data.time), fmt::join(parts, ", "), time_option(data.time));
+    return fmt::format(
+        "{}: {}: {}", printable(data.time), fmt::join(parts, ", "),
+        irregular ? "the rows are taken for samples that are evenly apart, and --time refuses them"
+                  : "rows of the file that are no neighbours in time are taken for such; " + time_option(data.time));
 }
 
 std::string time_option(std::string const& column) {
@@ -151,12 +262,10 @@ Columns in_order_of_time(Columns data, Index most) {
     std::vector<std::size_t> rows;
     for (std::size_t const row : by_time(data.times)) {
         if (!rows.empty() && data.times[row] == data.times[rows.back()]) {
-            for (auto const& x : data.values)
-                if (!same(x[row], x[rows.back()]))
-                    throw InputError(
-                        fmt::format("{}: expected one row for each time, found that of line {} with other "
-                                    "values",
-                                    at(row), data.lines[rows.back()]));
+            if (!same_values(data, row, rows.back()))
+                throw InputError(
+                    fmt::format("{}: expected one row for each time, found that of line {} with other values", at(row),
+                                data.lines[rows.back()]));
             continue;
         }
         rows.push_back(row);
@@ -166,7 +275,13 @@ Columns in_order_of_time(Columns data, Index most) {
             fmt::format("{}: column \"{}\": expected 3 times or more, found {}", data.file, name, rows.size()));
     std::vector<double> sorted;
     for (std::size_t const row : rows) sorted.push_back(data.times[row]);
-    double const median = median_of(steps_of(sorted));
+    std::vector<double> const steps = steps_of(sorted);
+    double const median = median_of(steps);
+    if (auto const off = uneven(steps, median); too_many(off, steps.size()))
+        throw InputError(fmt::format(
+            "{}: column \"{}\": expected times that are whole steps of {:.6g} apart, found {} steps that are "
+            "not (the first at line {})",
+            data.file, name, median, off.size(), data.lines[rows[off.front() + 1]]));
     Columns out{.file = data.file, .header = data.header, .names = data.names, .sha256 = data.sha256};
     out.values.resize(data.values.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -6,6 +6,7 @@
 #include <rlslab/input/formats/gzip.hpp>
 #include <rlslab/input/formats/mat.hpp>
 #include <rlslab/input/sha256.hpp>
+#include <rlslab/input/times.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -33,7 +34,7 @@ Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string
         std::ranges::replace_if(
             column, [&](double x) { return csv::is_among(file.format.missing, x); },
             std::numeric_limits<double>::quiet_NaN());
-    if (!time.empty()) out.time = time, out.times = out[time];
+    if (!time.empty()) out.time = time, out.times = out[time], stamps_to_seconds(out);
     if (new_one) out.names.pop_back(), out.values.pop_back();
     return out;
 }
