@@ -310,7 +310,7 @@ double CsvFile::State::number_in(std::size_t column) {
     auto const [kind, value] = reading(row[column]);
     if (!is_value(kind))
         fail(line, column,
-             complaint(kind, row[column]) + (kind == Kind::text && header && line <= first + 2
+             complaint(kind, row[column]) + (kind == Kind::text && header && line == first + 1
                                                  ? fmt::format("; if line {} has units or types, delete it", line)
                                                  : ""));
     if (std::string const word = kind == Kind::comma || kind == Kind::comma_or_group ? torn(format.missing, value) : "";
