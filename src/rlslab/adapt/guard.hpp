@@ -56,7 +56,7 @@ concept HandsOver = requires(F& f) {
 /// 2^(p/4) and 2^(5p/6) rows of like sizes to grow up to P. theta, which a breakdown leaves as it was last seen, then
 /// weighs as 2^(-p/6) of a row.
 /// No row is changed, and a run without a signal leaves F's own bits. Units of a column by powers of two scale (7)
-/// exactly. No exception, no allocation after it is made (where F's theta() makes none); memory: 14 d + 20 numbers, and
+/// exactly. No exception, no allocation after it is made (where F's theta() makes none); memory: 12 d + 20 numbers, and
 /// the kept rows where the policy rebuilds. 0.995 = E min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule
 /// of forgetting s is that of before the rule.
 /// (2) takes P0 at its word: theta0's error beyond c sqrt(P0 s2) makes outliers of the rows that first show it.
@@ -73,16 +73,17 @@ class Guarded : public detail::AroundFilter<F, true> {
     using Mask = Truth<T>;  // the lanes in which something is so
     using Count = PerLane<T, Index>;
     using Signal = PerLane<T, GuardSignal>;
+    static constexpr bool known_prior = requires(F& f) { f.form().theta; } && !requires(F& f) { f.form().b; };
     static constexpr bool in_packs = !std::same_as<Mask, bool>;
     using detail::AroundFilter<F, true>::filter_;
     GuardOptions<T> options_;
-    T lambda_, limit_, start_ = T(0);  // limit_ of s, y^2 and |psi|^2; start_ 0: without a prior
-    StateVector<T, detail::size_of<F>> psi_, unit_, root_, theta_;  // workspace, and of (7); theta as last seen finite
+    T lambda_, limit_, start_ = T(0);                 // limit_ of s, y^2 and |psi|^2; start_ 0: without a prior
+    StateVector<T, detail::size_of<F>> psi_, theta_;  // workspace; theta as last seen finite
     GuardCountsOf<Count> counts_;
     Signal signal_ = GuardSignal::none;
     T s2_ = T(0);
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20>
-        squares_;  // from which s2 is learnt
+        squares_;  // from which s2 is learnt; in a reset, which forgets them, sqrt(w) of (7) and a row
     RowRing<T> ring_;
     BoundedCountOf<Count> learnt_, coordinate_;  // rows that s2 was learnt from; j
     BoundedCountOf<Count> apart_;                // i = j + 1 + apart mod d in (5)
@@ -100,7 +101,7 @@ public:
         : detail::AroundFilter<F, true>(filter), options_(options),
           lambda_(checked(problem, int(filter.theta().size())).forgetting),
           limit_(T(std::ldexp(1.0, std::min(max_exponent<T>() / 2, 1000)))), psi_(filter_.theta().size()),
-          unit_(psi_.size()), root_(psi_.size()), theta_(psi_.size()), squares_(10 * psi_.size() + 20),
+          theta_(psi_.size()), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(),
                 policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
           learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1},
@@ -271,9 +272,9 @@ private:
         else history_.n = select(changes, Count(0), history_.n);
         return changes && Mask(resets);
     }
-    /// (6), of 2^bits; 0 without a prior, where root_ is that of (7).
-    T variance_for(Regressor<T> psi, int bits) {
-        if (any(start_ == T(0))) weigh(psi, bits);
+    /// (6), of 2^bits; 0 without a prior.
+    T variance_for(Mask const& lanes, Regressor<T> psi, int bits) {
+        if (Mask const bare = lanes && start_ == T(0); !known_prior && any(bare)) weigh(bare, psi, bits);
         T largest = T(0);
         each_kept(psi, [&](T const* x, Index n) {
             T const size = dot(x, x, n);
@@ -287,29 +288,28 @@ private:
         if constexpr (policy.rebuilds())
             for (Index k = 0; k < ring_.held(); ++k) visit(ring_.row(k), psi_.size());
     }
-    void weigh(Regressor<T> psi, int bits) {
+    void weigh(Mask const& lanes, Regressor<T> psi, int bits) {
         for (Index j = 0; j < psi_.size(); ++j) {
             T const told = T(std::ldexp(1.0, -(significand_bits<T>() / 4))) / variance(filter_, j);
             T most = select(T(0) < told && is_finite(told), told, T(0));
             each_kept(psi, [&](T const* x, Index n) {
-                T const size = j < n ? T(x[j] * x[j]) : T(0);
-                most = select(most < size, size, most);
+                if (j < n) most = select(most < x[j] * x[j], T(x[j] * x[j]), most);
             });
-            root_[j] = square_root(T(std::ldexp(1.0, -bits))) * square_root(most);
+            squares_[j] = select(lanes, T(square_root(T(std::ldexp(1.0, -bits))) * square_root(most)), squares_[j]);
         }
     }
     void restart_at(Mask const& lanes, T const& variance, Regressor<T> theta) {
         detail::on_lanes<T>(filter_, lanes, [&] { restart(filter_, variance, theta, lambda_); });
         Mask const bare = lanes && start_ == T(0);
-        for (Index j = 0; any(bare) && j < psi_.size(); ++j) {
-            determined_ = determined_ && (!bare || T(0) < root_[j]);
-            hold(j, root_[j], theta[j], bare);
+        for (Index j = 0; !known_prior && any(bare) && j < psi_.size(); ++j) {
+            determined_ = determined_ && (!bare || T(0) < squares_[j]);
+            hold(squares_.data() + psi_.size(), j, squares_[j], theta[j], bare);
         }
     }
     /// From theta as it is, and the row that was kept.
     Step<T> restarted_at(Mask const& lanes, T const& y) {
         auto const theta = filter_.theta();
-        restart_at(lanes, variance_for(kept_row(), 3 * significand_bits<T>() / 4), Regressor<T>(theta));
+        restart_at(lanes, variance_for(lanes, kept_row(), 3 * significand_bits<T>() / 4), Regressor<T>(theta));
         return detail::on_lanes<T>(filter_, lanes, [&] { return filter_.update(kept_row(), y); });
     }
     void forget(Mask const& lanes) {
@@ -395,7 +395,8 @@ private:
             count(counts_.windups, high);
             tell(high && detail::equal_to<T>(signal_, GuardSignal::none), GuardSignal::windup);
             if constexpr (policy.windup == Action::cap)
-                hold(j, square_root(T(T(1) / options_.largest_variance - T(1) / p)), filter_.theta()[j], high);
+                hold(psi_.data(), j, square_root(T(T(1) / options_.largest_variance - T(1) / p)), filter_.theta()[j],
+                     high);
         }
         if (j == 0 && any(good)) {
             detail::theta_of(filter_, psi_);
@@ -407,11 +408,10 @@ private:
         return lanes && !good;
     }
     /// The row root e_j, of output root theta_j.
-    void hold(Index j, T const& root, T const& theta, Mask const& lanes) {
-        detail::fill(unit_, T(0));
-        unit_[j] = root;
+    void hold(T* row, Index j, T const& root, T const& theta, Mask const& lanes) {
+        for (Index i = 0; i < psi_.size(); ++i) row[i] = select(lanes, i == j ? root : T(0), row[i]);
         T const output = root * theta;
-        auto const add = [&] { return cap_row(filter_, {unit_.data(), unit_.size()}, output, lambda_); };
+        auto const add = [&] { return cap_row(filter_, {row, psi_.size()}, output, lambda_); };
         detail::on_lanes<T>(filter_, lanes, add);
     }
     /// The kept rows anew; without them where they are what broke the filter.
@@ -433,7 +433,7 @@ private:
         if constexpr (policy.hands_over())
             if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
-            T const variance = variance_for(psi, significand_bits<T>() / 6);
+            T const variance = variance_for(lanes, psi, significand_bits<T>() / 6);
             reset_to_last_finite(lanes, variance);
             if constexpr (policy.rebuilds()) rebuild(variance);
         }
