@@ -47,9 +47,9 @@ concept HandsOver = requires(F& f) {
 ///   (6) a reset: P = v I, v the largest variance at the start or, where less, 2^(3p/4) / |psi|^2 at a change and
 ///       2^(p/6) / |psi|^2 at a breakdown; psi is the row that showed it, or the largest kept row where the policy
 ///       rebuilds
-///   (7) without a prior no number has theta's units: largest_variance is 2^(E-2), the end of the arithmetic, and after
-///       a reset P^-1 is that of the rows sqrt(w_j) e_j alone, w_j = 2^-b max(psi_j^2, 2^(-p/4) / P_jj), 2^b as in (6),
-///       of output sqrt(w_j) theta_j. Where a w_j is 0 theta is undetermined until rows determine it
+///   (7) without a prior no number has theta's units: largest_variance is 2^(E-2), the end of the arithmetic; after a
+///       breakdown F is as newly made, and after a change P^-1 is that of the rows sqrt(w_j) e_j alone, of output
+///       sqrt(w_j) theta_j, w_j = 2^(-3p/4) max(psi_j^2, 2^(-p/4) / P_jj)
 ///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
 /// the first row, relative to the P that this row leaves, and where lambda = 1 it stays, while P falls as 1/n: it needs
@@ -273,43 +273,32 @@ private:
         return changes && Mask(resets);
     }
     /// (6), of 2^bits; 0 without a prior.
-    T variance_for(Mask const& lanes, Regressor<T> psi, int bits) {
-        if (Mask const bare = lanes && start_ == T(0); !known_prior && any(bare)) weigh(bare, psi, bits);
-        T largest = T(0);
-        each_kept(psi, [&](T const* x, Index n) {
-            T const size = dot(x, x, n);
-            largest = select(largest < size, size, largest);
-        });
+    T variance_for(Regressor<T> psi, int bits) {
+        T largest = dot(psi.data(), psi.data(), psi.size());
+        if constexpr (policy.rebuilds())
+            for (Index k = 0; k < ring_.held(); ++k) {
+                T const size = dot(ring_.row(k), ring_.row(k), psi_.size());
+                largest = select(largest < size, size, largest);
+            }
         T const most = T(std::ldexp(1.0, bits)) / largest;
         return select(most < start_ && T(0) < most, most, start_);
     }
-    void each_kept(Regressor<T> psi, auto visit) {
-        visit(psi.data(), psi.size());
-        if constexpr (policy.rebuilds())
-            for (Index k = 0; k < ring_.held(); ++k) visit(ring_.row(k), psi_.size());
-    }
-    void weigh(Mask const& lanes, Regressor<T> psi, int bits) {
-        for (Index j = 0; j < psi_.size(); ++j) {
-            T const told = T(std::ldexp(1.0, -(significand_bits<T>() / 4))) / variance(filter_, j);
-            T most = select(T(0) < told && is_finite(told), told, T(0));
-            each_kept(psi, [&](T const* x, Index n) {
-                if (j < n) most = select(most < x[j] * x[j], T(x[j] * x[j]), most);
-            });
-            squares_[j] = select(lanes, T(square_root(T(std::ldexp(1.0, -bits))) * square_root(most)), squares_[j]);
-        }
-    }
-    void restart_at(Mask const& lanes, T const& variance, Regressor<T> theta) {
-        detail::on_lanes<T>(filter_, lanes, [&] { restart(filter_, variance, theta, lambda_); });
+    /// From theta as it is, and the row that was kept.
+    Step<T> restarted_at(Mask const& lanes, T const& y) {
+        int const p = significand_bits<T>();
+        T const v = variance_for(kept_row(), 3 * p / 4), part = square_root(T(std::ldexp(1.0, -(3 * p / 4))));
         Mask const bare = lanes && start_ == T(0);
+        for (Index j = 0; !known_prior && any(bare) && j < psi_.size(); ++j) {  // (7)
+            T const told = T(std::ldexp(1.0, -(p / 4))) / variance(filter_, j), size = psi_[j] * psi_[j];
+            T const most = select(size < told && is_finite(told), told, size);
+            squares_[j] = select(bare, T(part * square_root(most)), squares_[j]);
+        }
+        auto const theta = filter_.theta();
+        detail::on_lanes<T>(filter_, lanes, [&] { restart(filter_, v, Regressor<T>(theta), lambda_); });
         for (Index j = 0; !known_prior && any(bare) && j < psi_.size(); ++j) {
             determined_ = determined_ && (!bare || T(0) < squares_[j]);
             hold(squares_.data() + psi_.size(), j, squares_[j], theta[j], bare);
         }
-    }
-    /// From theta as it is, and the row that was kept.
-    Step<T> restarted_at(Mask const& lanes, T const& y) {
-        auto const theta = filter_.theta();
-        restart_at(lanes, variance_for(lanes, kept_row(), 3 * significand_bits<T>() / 4), Regressor<T>(theta));
         return detail::on_lanes<T>(filter_, lanes, [&] { return filter_.update(kept_row(), y); });
     }
     void forget(Mask const& lanes) {
@@ -318,7 +307,9 @@ private:
         history_.n = select(lanes, Count(0), history_.n);
     }
     void reset_to_last_finite(Mask const& lanes, T const& variance) {
-        restart_at(lanes, variance, {theta_.data(), theta_.size()});
+        detail::on_lanes<T>(filter_, lanes,
+                            [&] { restart(filter_, variance, Regressor<T>(theta_.data(), theta_.size()), lambda_); });
+        determined_ = determined_ && !(lanes && start_ == T(0));
         forget(lanes);
     }
     /// What follows F's step of a row; where the policy rebuilds, psi_ is the row.
@@ -421,7 +412,9 @@ private:
         Health worst = Health::sound;
         for (Index k = 0; k < ring_.held(); ++k) {
             T const* const row = ring_.row(k);
-            worst = worse(worst, filter_.update(Regressor<T>(row, psi_.size()), row[psi_.size()]).health);
+            Health const health = filter_.update(Regressor<T>(row, psi_.size()), row[psi_.size()]).health;
+            determined_ = determined_ || health == Health::sound;
+            if (determined_ || health != Health::undetermined) worst = worse(worst, health);
         }
         if (worst == Health::sound) return;
         ring_.clear();
@@ -433,7 +426,7 @@ private:
         if constexpr (policy.hands_over())
             if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
-            T const variance = variance_for(lanes, psi, significand_bits<T>() / 6);
+            T const variance = variance_for(psi, significand_bits<T>() / 6);
             reset_to_last_finite(lanes, variance);
             if constexpr (policy.rebuilds()) rebuild(variance);
         }

@@ -13,7 +13,7 @@ namespace rlslab {
 ///             resets
 ///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
 ///   reset     P = v I, v the largest variance at the start or what the rows at hand admit ((6) of guard.hpp), and
-///   theta as it was last seen finite; without a prior a small part of what the rows told ((7) there)
+///   theta as it was last seen finite; without a prior as (7) there says
 ///   rebuild   reset, then the kept rows anew
 ///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors,
 ///   else as `reset`
