@@ -4,6 +4,7 @@
 
 #include "tests/adapt/adapt.hpp"
 
+#include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/information.hpp>
@@ -120,6 +121,117 @@ TEST(Remedies, TakeNoThetaThatRoundingMade) {
         check(std::type_identity<Gentleman<double>>{}, start);
         check(std::type_identity<Information<double>>{}, start);
     }
+}
+
+/// Without a prior nothing has the units of theta: other units of each column, by powers of two, change no signal and
+/// scale theta exactly. A prior of 16384 held theta where it was for columns of 1e-4, and their P was windup.
+double const units[][3] = {
+    {0x1p-20, 0x1p-20, 0x1p-20}, {0x1p20, 0x1p20, 0x1p20}, {0x1p20, 1, 0x1p-20}, {0x1p-33, 8, 1}};
+double const before[] = {4, 1, -2}, after[] = {4, -3, 5};
+/// Clean rows to 500, then those of another theta.
+double row_of(Seed& seed, int k, double (&psi)[3]) {
+    psi[0] = 1, psi[1] = seed.bell(), psi[2] = 5 + seed.bell();
+    double y = 0.1 * seed.bell();
+    for (int i = 0; i < 3; ++i) y += psi[i] * (k < 500 ? before : after)[i];
+    return y;
+}
+template <class G>
+void check_units(G one, double const (&unit)[3], std::function<void(G&)> damage = nullptr) {
+    G other = one;
+    Seed seed{97};
+    double psi[3], scaled[3];
+    auto const expect_near = [&](double const(&theta)[3]) {
+        for (Index i = 0; i < 3; ++i)
+            EXPECT_NEAR(one.theta()[i], theta[i], 5 * 0.1 * std::sqrt(variance(one, i))) << G::name << i;
+    };
+    for (int k = 0; k < 1000; ++k) {
+        double const y = row_of(seed, k, psi);
+        for (int i = 0; i < 3; ++i) scaled[i] = unit[i] * psi[i];
+        if (k == 700 && damage) damage(one), damage(other);
+        one.update(psi, y), other.update(scaled, y);
+        EXPECT_EQ(one.signal(), other.signal()) << G::name << k;
+        for (Index i = 0; i < 3 && k > 2; ++i) {
+            double const x = one.theta()[i], z = unit[i] * other.theta()[i];
+            ASSERT_TRUE(x == z || (damage && std::isnan(x) && std::isnan(z))) << G::name << ' ' << unit[0] << ' ' << k;
+        }
+        if (k == 499) expect_near(before);
+    }
+    expect_near(after);
+    EXPECT_EQ(one.counts().changes, 1) << G::name;
+    EXPECT_EQ(one.counts().windups, 0) << G::name;
+    EXPECT_EQ(one.counts().breakdowns, damage ? 1 : 0) << G::name;
+}
+TEST(Remedies, HaveNoUnitsWithoutAPrior) {
+    auto const check = []<class F>(std::type_identity<F>, double const(&unit)[3], auto damage) {
+        for (double const forgetting : {1.0, 0.99}) {
+            Problem<double> const problem{.size = 3, .forgetting = forgetting, .prior = std::nullopt};
+            using Reset = Guarded<F, resetting>;
+            using Rebuilt = Guarded<F, rebuilding>;
+            check_units(Reset(problem), unit);
+            check_units(Rebuilt(problem), unit);
+            check_units(Reset(problem), unit, std::function<void(Reset&)>(damage));
+            check_units(Rebuilt(problem), unit, std::function<void(Rebuilt&)>(damage));
+            check_units(Guarded<Windowed<F>>(Windowed<F>(problem, {.rows = 150}), problem), unit);
+        }
+    };
+    for (auto const& unit : units) {
+        check(std::type_identity<Qr<double>>{}, unit, [](auto& g) { g.form().L(1, 1) = 0; });
+        check(std::type_identity<Gentleman<double>>{}, unit, [](auto& g) { g.form().D[1] = 0; });
+        check(std::type_identity<Information<double>>{}, unit, [](auto& g) { g.form().X(1, 1) *= -1; });
+    }
+}
+/// One row again and again until the other directions are forgotten, or silence: no theta of rounding is held after.
+TEST(Remedies, HoldNoThetaThatWasForgotten) {
+    auto const check = []<class F>(std::type_identity<F>, double alike) {
+        Guarded<F> guarded({.size = 3, .forgetting = 0.98, .prior = std::nullopt});
+        Seed seed{101};
+        double psi[3];
+        for (int k = 0; k < 40000; ++k) {
+            double y = row_of(seed, k, psi);
+            if (1000 <= k && k < 39700) {
+                y = alike * seed.bell();
+                for (int i = 0; i < 3; ++i) psi[i] = alike * (i + 1), y += psi[i] * after[i];
+            }
+            guarded.update(psi, y);
+        }
+        for (Index i = 0; i < 3; ++i)
+            EXPECT_NEAR(guarded.theta()[i], after[i], 0.5 * std::sqrt(variance(guarded, i))) << F::name << alike;
+    };
+    for (double const alike : {0.0, 0.7}) {
+        check(std::type_identity<Qr<double>>{}, alike);
+        check(std::type_identity<Gentleman<double>>{}, alike);
+        check(std::type_identity<Information<double>>{}, alike);
+    }
+}
+/// In packs, too: each lane has the bits of the scalar guard on the rows of its units.
+template <template <class, int> class V>
+void check_units_of_lanes() {
+    using P = Pack<double, 4>;
+    Guarded<V<P, 3>> together({.size = 3, .prior = std::nullopt});
+    std::vector<Guarded<V<double, 3>>> alone(4, Guarded<V<double, 3>>({.size = 3, .prior = std::nullopt}));
+    Seed seed{97};
+    for (int k = 0; k < 1000; ++k) {
+        double psi[3];
+        double const y = row_of(seed, k, psi);
+        Vector<P> rows(3);
+        P outputs;
+        for (int lane = 0; lane < 4; ++lane) {
+            double scaled[3];
+            double const own = lane == 3 && k == 600 ? 1e3 : y;
+            for (int i = 0; i < 3; ++i) rows[i].set(lane, scaled[i] = units[lane][i] * psi[i]);
+            outputs.set(lane, own);
+            alone[size_t(lane)].update(scaled, own);
+        }
+        together.update(rows, outputs);
+        for (int lane = 0; lane < 4; ++lane)
+            for (int i = 0; i < 3 && k > 2; ++i)
+                ASSERT_EQ(together.theta()[i][lane], alone[size_t(lane)].theta()[i]) << lane << ' ' << k;
+    }
+    for (int lane = 0; lane < 4; ++lane) EXPECT_EQ(together.counts().of_lane(lane).changes, 1) << lane;
+}
+TEST(Remedies, HaveNoUnitsInLanes) {
+    check_units_of_lanes<Qr>();
+    check_units_of_lanes<Gentleman>();
 }
 
 /// Rows without noise, then noise: s2 stayed near 0, and each later row was an outlier.

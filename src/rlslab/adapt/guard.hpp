@@ -29,16 +29,6 @@ concept HandsOver = requires(F& f) {
     { f.hand_over() } -> std::same_as<bool>;
 };
 
-template <Field T>
-struct GuardOptions {
-    T largest_variance = T(0);     ///< of p in (4), in units of the noise's; 0: 16 times the start's
-    T innovation = T(6);           ///< c of the innovation test, in standard deviations; 0: none
-    T least_noise = T(0);          ///< a standard deviation below which the noise is not believed to be
-    Index noise_memory = 200;      ///< rows that the noise's variance is averaged over, >= 1
-    T asymmetry = T(1) / T(1024);  ///< |P_ij - P_ji| / sqrt(P_ii P_jj), of a P in full storage
-    Index rebuild_rows = 0;        ///< kept for rebuilding; 0: 10 d
-};
-
 /// F, with every row looked at before it is committed, and P after it, in O(d) besides the update (d^2/2 more where F
 /// holds a factor of P^-1, up to d^2 where it follows a rule):
 ///
@@ -57,14 +47,18 @@ struct GuardOptions {
 ///   (6) a reset: P = v I, v the largest variance at the start or, where less, 2^(3p/4) / |psi|^2 at a change and
 ///       2^(p/6) / |psi|^2 at a breakdown; psi is the row that showed it, or the largest kept row where the policy
 ///       rebuilds
+///   (7) without a prior no number has theta's units: largest_variance is 2^(E-2), the end of the arithmetic; after a
+///       breakdown F is as newly made, and after a change P^-1 is that of the rows sqrt(w_j) e_j alone, of output
+///       sqrt(w_j) theta_j, w_j = 2^(-3p/4) max(psi_j^2, 2^(-p/4) / P_jj)
 ///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
 /// the first row, relative to the P that this row leaves, and where lambda = 1 it stays, while P falls as 1/n: it needs
 /// 2^(p/4) and 2^(5p/6) rows of like sizes to grow up to P. theta, which a breakdown leaves as it was last seen, then
 /// weighs as 2^(-p/6) of a row.
-/// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
-/// (where F's theta() makes none); memory: 12 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
-/// min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule of forgetting s is that of before the rule.
+/// No row is changed, and a run without a signal leaves F's own bits. Units of a column by powers of two scale (7)
+/// exactly. No exception, no allocation after it is made (where F's theta() makes none); memory: 12 d + 20 numbers, and
+/// the kept rows where the policy rebuilds. 0.995 = E min(x^2, 9) and 0.455 the median of x^2, x normal. Around a rule
+/// of forgetting s is that of before the rule.
 /// (2) takes P0 at its word: theta0's error beyond c sqrt(P0 s2) makes outliers of the rows that first show it.
 /// Of packs: each lane as the scalar guard around its own filter, with signals, counts and a largest_variance of its
 /// own (the other options are one for all lanes); neither rebuilding nor handing over. Where not all lanes do the same,
@@ -79,16 +73,17 @@ class Guarded : public detail::AroundFilter<F, true> {
     using Mask = Truth<T>;  // the lanes in which something is so
     using Count = PerLane<T, Index>;
     using Signal = PerLane<T, GuardSignal>;
+    static constexpr bool known_prior = requires(F& f) { f.form().theta; } && !requires(F& f) { f.form().b; };
     static constexpr bool in_packs = !std::same_as<Mask, bool>;
     using detail::AroundFilter<F, true>::filter_;
     GuardOptions<T> options_;
-    T lambda_, limit_, start_ = T(0);                 // of s, y^2 and |psi|^2
+    T lambda_, limit_, start_ = T(0);                 // limit_ of s, y^2 and |psi|^2; start_ 0: without a prior
     StateVector<T, detail::size_of<F>> psi_, theta_;  // workspace; theta as last seen finite
     GuardCountsOf<Count> counts_;
     Signal signal_ = GuardSignal::none;
     T s2_ = T(0);
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20>
-        squares_;  // from which s2 is learnt
+        squares_;  // from which s2 is learnt; in a reset, which forgets them, sqrt(w) of (7) and a row
     RowRing<T> ring_;
     BoundedCountOf<Count> learnt_, coordinate_;  // rows that s2 was learnt from; j
     BoundedCountOf<Count> apart_;                // i = j + 1 + apart mod d in (5)
@@ -123,8 +118,9 @@ public:
             start_ = select(start_ < v, v, start_);
         }
         Mask const none = !(T(0) < start_) || !is_finite(start_), chosen = options_.largest_variance == T(0);
-        if (any(none)) start_ = select(none, Prior<T>{}.variance, start_);
-        if (any(chosen)) options_.largest_variance = select(chosen, T(T(16) * start_), options_.largest_variance);
+        if (problem.prior && any(none)) start_ = select(none, Prior<T>{}.variance, start_);
+        T const most = problem.prior ? T(T(16) * start_) : T(limit_ / T(4) * limit_);
+        if (any(chosen)) options_.largest_variance = select(chosen, most, options_.largest_variance);
         if (problem.prior && problem.prior->theta) keep_regressor(Regressor<T>(*problem.prior->theta), theta_);
     }
 
@@ -276,7 +272,7 @@ private:
         else history_.n = select(changes, Count(0), history_.n);
         return changes && Mask(resets);
     }
-    /// (6), of 2^bits
+    /// (6), of 2^bits; 0 without a prior.
     T variance_for(Regressor<T> psi, int bits) {
         T largest = dot(psi.data(), psi.data(), psi.size());
         if constexpr (policy.rebuilds())
@@ -289,12 +285,21 @@ private:
     }
     /// From theta as it is, and the row that was kept.
     Step<T> restarted_at(Mask const& lanes, T const& y) {
-        T const variance = variance_for(kept_row(), 3 * significand_bits<T>() / 4);
-        return detail::on_lanes<T>(filter_, lanes, [&] {
-            auto const theta = filter_.theta();
-            restart(filter_, variance, Regressor<T>(theta), lambda_);
-            return filter_.update(kept_row(), y);
-        });
+        int const p = significand_bits<T>();
+        T const v = variance_for(kept_row(), 3 * p / 4), part = square_root(T(std::ldexp(1.0, -(3 * p / 4))));
+        Mask const bare = lanes && start_ == T(0);
+        for (Index j = 0; !known_prior && any(bare) && j < psi_.size(); ++j) {  // (7)
+            T const told = T(std::ldexp(1.0, -(p / 4))) / variance(filter_, j), size = psi_[j] * psi_[j];
+            T const most = select(size < told && is_finite(told), told, size);
+            squares_[j] = select(bare, T(part * square_root(most)), squares_[j]);
+        }
+        auto const theta = filter_.theta();
+        detail::on_lanes<T>(filter_, lanes, [&] { restart(filter_, v, Regressor<T>(theta), lambda_); });
+        for (Index j = 0; !known_prior && any(bare) && j < psi_.size(); ++j) {
+            determined_ = determined_ && (!bare || T(0) < squares_[j]);
+            hold(squares_.data() + psi_.size(), j, squares_[j], theta[j], bare);
+        }
+        return detail::on_lanes<T>(filter_, lanes, [&] { return filter_.update(kept_row(), y); });
     }
     void forget(Mask const& lanes) {
         s2_ = select(lanes, T(0), s2_);
@@ -304,6 +309,7 @@ private:
     void reset_to_last_finite(Mask const& lanes, T const& variance) {
         detail::on_lanes<T>(filter_, lanes,
                             [&] { restart(filter_, variance, Regressor<T>(theta_.data(), theta_.size()), lambda_); });
+        determined_ = determined_ && !(lanes && start_ == T(0));
         forget(lanes);
     }
     /// What follows F's step of a row; where the policy rebuilds, psi_ is the row.
@@ -379,7 +385,9 @@ private:
         if (Mask const high = good && options_.largest_variance < p; any(high)) {
             count(counts_.windups, high);
             tell(high && detail::equal_to<T>(signal_, GuardSignal::none), GuardSignal::windup);
-            if constexpr (policy.windup == Action::cap) cap(j, p, high);
+            if constexpr (policy.windup == Action::cap)
+                hold(psi_.data(), j, square_root(T(T(1) / options_.largest_variance - T(1) / p)), filter_.theta()[j],
+                     high);
         }
         if (j == 0 && any(good)) {
             detail::theta_of(filter_, psi_);
@@ -390,12 +398,12 @@ private:
         }
         return lanes && !good;
     }
-    void cap(Index j, T const& p, Mask const& lanes) {
-        T const root = square_root(T(T(1) / options_.largest_variance - T(1) / p));
-        detail::fill(psi_, T(0));
-        psi_[j] = root;
-        T const output = root * filter_.theta()[j];
-        detail::on_lanes<T>(filter_, lanes, [&] { return cap_row(filter_, kept_row(), output, lambda_); });
+    /// The row root e_j, of output root theta_j.
+    void hold(T* row, Index j, T const& root, T const& theta, Mask const& lanes) {
+        for (Index i = 0; i < psi_.size(); ++i) row[i] = select(lanes, i == j ? root : T(0), row[i]);
+        T const output = root * theta;
+        auto const add = [&] { return cap_row(filter_, {row, psi_.size()}, output, lambda_); };
+        detail::on_lanes<T>(filter_, lanes, add);
     }
     /// The kept rows anew; without them where they are what broke the filter.
     void rebuild(T const& variance)
@@ -404,7 +412,9 @@ private:
         Health worst = Health::sound;
         for (Index k = 0; k < ring_.held(); ++k) {
             T const* const row = ring_.row(k);
-            worst = worse(worst, filter_.update(Regressor<T>(row, psi_.size()), row[psi_.size()]).health);
+            Health const health = filter_.update(Regressor<T>(row, psi_.size()), row[psi_.size()]).health;
+            determined_ = determined_ || health == Health::sound;
+            if (determined_ || health != Health::undetermined) worst = worse(worst, health);
         }
         if (worst == Health::sound) return;
         ring_.clear();

@@ -1,6 +1,8 @@
 // What a guard does about what it sees: actions, policies, and THE list of policies.
 #pragma once
 
+#include <rlslab/core/scalar.hpp>
+
 #include <string_view>
 
 namespace rlslab {
@@ -11,7 +13,7 @@ namespace rlslab {
 ///             resets
 ///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
 ///   reset     P = v I, v the largest variance at the start or what the rows at hand admit ((6) of guard.hpp), and
-///   theta as it was last seen finite
+///   theta as it was last seen finite; without a prior as (7) there says
 ///   rebuild   reset, then the kept rows anew
 ///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors,
 ///   else as `reset`
@@ -41,6 +43,16 @@ inline constexpr GuardPolicy reporting{};
 inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
 inline constexpr GuardPolicy handing_over{Action::skip, Action::reset, Action::cap, Action::hand_over};
+
+template <Field T>
+struct GuardOptions {
+    T largest_variance = T(0);     ///< of p in (4), in units of the noise's; 0: 16 times the start's, or as (7) says
+    T innovation = T(6);           ///< c of the innovation test, in standard deviations; 0: none
+    T least_noise = T(0);          ///< a standard deviation below which the noise is not believed to be
+    Index noise_memory = 200;      ///< rows that the noise's variance is averaged over, >= 1
+    T asymmetry = T(1) / T(1024);  ///< |P_ij - P_ji| / sqrt(P_ii P_jj), of a P in full storage
+    Index rebuild_rows = 0;        ///< kept for rebuilding; 0: 10 d
+};
 
 /// A policy by name. `what` follows the name in a sentence about guards.
 struct NamedPolicy {

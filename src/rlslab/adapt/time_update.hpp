@@ -226,10 +226,16 @@ template <class T, int N>
 void fill(StateVector<T, N>& x, T const& value) {
     for (Index i = 0; i < x.size(); ++i) x[i] = value;
 }
+/// 1/by, what a prior of this variance tells; 0 for variance 0.
+template <class T>
+T told_by(T const& variance, T const& by) {
+    return select(variance == T(0), T(0), T(T(1) / by));
+}
 }  // namespace detail
 
-/// P = variance I and theta as given, which may be the filter's own: kept bit for bit where it is stored. Cost d^2
-/// assignments. Source: Goodwin, Elliott & Teoh 1983.
+/// P = variance I and theta as given, which may be the filter's own: kept bit for bit where it is stored. variance 0,
+/// in a form of P^-1: no prior, as where the filter was made without one. Cost d^2 assignments. Source: Goodwin,
+/// Elliott & Teoh 1983.
 template <class T, int N, class Storage>
 void reset(PlainCovariance<T, N, Storage> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.theta);
@@ -249,7 +255,7 @@ void reset(UdCovariance<T, N> f, T const& variance, Regressor<T> theta) {
 template <class T, int N>
 void reset(RootInformation<T, N> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.z);
-    T const root = T(1) / square_root(variance);
+    T const root = detail::told_by(variance, square_root(variance));
     detail::set_identity(f.L, root);
     scale(f.z, root, f.z);
     f.lengths.start(f.L, f.z);
@@ -258,18 +264,20 @@ template <class T, int N>
 void reset(UnitInformation<T, N> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.z);
     detail::set_identity(f.L, T(1));
-    detail::fill(f.D, T(T(1) / variance));
+    detail::fill(f.D, detail::told_by(variance, variance));
     f.lengths.start(f.L, f.D, f.z);
 }
 template <class T, int N>
 void reset(NormalEquations<T, N> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.theta, f.b);
-    detail::set_identity(f.X, T(T(1) / variance));
+    T const told = detail::told_by(variance, variance);
+    detail::set_identity(f.X, told);
     detail::set_identity(f.L, T(1));
-    detail::fill(f.D, T(T(1) / variance));
-    scale(f.b, T(T(1) / variance), f.b);
-    f.positive = f.started = f.solved = true;
-    f.rows = f.theta.size();
+    detail::fill(f.D, told);
+    scale(f.b, told, f.b);
+    f.positive = f.started = !(variance == T(0));
+    f.solved = true;
+    f.rows = select(f.started, PerLane<T, Index>(f.theta.size()), PerLane<T, Index>(0));
 }
 
 namespace detail {
