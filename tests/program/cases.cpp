@@ -88,8 +88,7 @@ std::vector<Case> const cases{
     {"s17_int16.mat --input u --output y --na 1 --nb 0 --delay 1", {-0.7015132482, 0.2660958681}},
     {"s17_logical_single.mat --input u --output y --na 1 --nb 0 --delay 1", {-0.76700885, 0.40730739}},
     {"s17_row_and_column.mat --input u --output y --na 1 --nb 0 --delay 1", {-0.7015118766, 0.3991439146}},
-    // Elsewhere: s10_plus_two with all four (compare/doubts.cpp), s11 (python/test_composed.py), s13 (below), s18 and s19
-    // (adapt/assessed.cpp).
+    // Elsewhere: s10_plus_two with all four, s13 (below), s11 (python/test_composed.py), s18, s19 (adapt/assessed.cpp).
 };
 
 TEST_F(Program, SaysTheRightValueOrAClearLineForEveryCase) {
