@@ -72,6 +72,21 @@ def test_the_pages_first_filter_is_as_good_as_numpy_at_every_scale():
     assert max(losses(answer)) <= 1
 
 
+def test_the_first_filter_of_the_page_for_c_is_as_good_as_numpy_at_every_scale():
+    """Python's filters have the bits of C's (test_bits.py); doors.sh runs the page's program."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "c.md").read_text()
+    first = page[page.index("```c") : page.index("```text")]
+    variant, dtype = re.search(r'rlslab_new\("(\w+)", "(\w+)"', first).groups()
+    assert "options.prior_variance = 0;" in first and "forgetting" not in first and dtype == "double"
+
+    def answer(rows, y):
+        f = rlslab.filter(variant, rows.shape[1], prior_variance=None)
+        f.update_many(rows, y)
+        return f.theta
+
+    assert max(losses(answer)) <= 1
+
+
 @pytest.mark.parametrize("variant", FACTORS)
 def test_the_pull_of_a_prior_is_as_the_page_predicts(variant):
     names = {"np": np}
