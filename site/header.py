@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A variant's header, read: its names, and the text above its class as Markdown with LaTeX.
 
-header.py           writes tests/site/formulas/NAME.txt for each variant of the list
+header.py           writes tests/site/formulas.txt, a section for each variant of the list
 header.py --check   says which of them differ; a header that reads wrong is seen there
 """
 import pathlib
@@ -12,7 +12,7 @@ root = pathlib.Path(__file__).resolve().parent.parent
 sys.path.append(str(root / "python"))
 from classes import listed, snake    # noqa: E402  the list of variants, as the Python package reads it
 
-golden = root / "tests/site/formulas"
+golden = root / "tests/site/formulas.txt"
 greek = "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi rho sigma tau phi psi omega".split()
 operators = {"<=": r"\le", ">=": r"\ge", "->": r"\to", "+=": r"\mathrel{+}=", "-=": r"\mathrel{-}=", "-+": r"\mp",
              "...": r"\dots", "*": r"\ast", "~": r"\sim"}
@@ -257,12 +257,10 @@ def variants():
 
 
 if __name__ == "__main__":
-    made = {golden / f"{h.name}.txt": "\n\n".join(h.text()) + "\n" for h in variants()}
-    wrong = [f"{p.relative_to(root)}: not what site/header.py writes (run it, and read what changed)"
-             for p, text in made.items() if not p.exists() or p.read_text() != text]
-    wrong += [f"{p.relative_to(root)}: of no variant in the list" for p in golden.glob("*.txt") if p not in made]
+    made = {h.name: "\n\n".join(h.text()) + "\n" for h in variants()}
     if sys.argv[1:] == ["--check"]:
-        sys.exit("\n".join(wrong) if wrong else 0)
-    golden.mkdir(exist_ok=True)
-    for path, text in made.items():
-        path.write_text(text)
+        kept = dict(re.findall(r"^== (\w+)\n\n(.*?\n)(?:\n(?===)|\Z)", golden.read_text(), re.M | re.S))
+        wrong = [name for name in made | kept if made.get(name) != kept.get(name)]
+        sys.exit(f"{golden.relative_to(root)}: {', '.join(wrong)}: not what site/header.py writes (run it, and read "
+                 "what changed)" if wrong else 0)
+    golden.write_text("\n".join(f"== {name}\n\n{text}" for name, text in made.items()))
