@@ -1,7 +1,7 @@
 // What a guard does about what it sees: actions, policies, and THE list of policies.
 #pragma once
 
-#include <rlslab/core/scalar.hpp>
+#include <rlslab/core/matrices.hpp>
 
 #include <string_view>
 
