@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/core/matrices.hpp>
+#include <rlslab/core/scalar.hpp>
 
 #include <string_view>
 
