@@ -14,9 +14,9 @@ root = pathlib.Path(__file__).resolve().parent.parent
 # A heading, and header: types; (): its functions. Those behind `left out` are parts of others, or concepts' helpers.
 sections = [
     ("A problem, a row, a step", [("src/rlslab/core/problem.hpp", "Problem Prior Step Health Regressor")]),
-    ("A guard", [("src/rlslab/adapt/guard.hpp", "Guarded GuardOptions"),
+    ("A guard", [("src/rlslab/adapt/guard.hpp", "Guarded"),
                  ("src/rlslab/adapt/guard_signal.hpp", "GuardSignal GuardCountsOf"),
-                 ("src/rlslab/adapt/guard_policy.hpp", "GuardPolicy Action")]),
+                 ("src/rlslab/adapt/guard_policy.hpp", "GuardPolicy Action GuardOptions")]),
     ("A window", [("src/rlslab/adapt/window.hpp", "Windowed WindowOptions")]),
     ("Rules of forgetting", [("src/rlslab/adapt/forgetting.hpp", "Forgetting ConstantForgetting Fortescue Kulhavy "
                               "CaoSchwartz RotatingRidge CovarianceReset RandomWalk")]),
