@@ -184,7 +184,7 @@ std::vector<System> systems() {
         {"outlier",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] += 100; }),
          arx(),
-         {"OUTLIER 301 302 20 estimate", "next 301 302 --guard reset"},
+         {"OUTLIER 301 302 20 estimate", "next 301 302 empty"},
          {}},
         {"outlier_guarded",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] += 100; }),
