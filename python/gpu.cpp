@@ -1,5 +1,5 @@
 // Fleets on a GPU behind C functions, for python/rlslab/_cuda.py: a library of its own, which no Python's version
-// matters to. Each function returns 0, or writes one sentence to `words` (256 characters) and returns 1.
+// matters to. Each function returns 0, or writes one sentence to `words` (256 characters) and returns 1; 2: an argument's.
 #include <rlslab/gpu/fleet.hpp>
 #include <rlslab/gpu/kernels.hpp>
 #include <rlslab/state/state.hpp>
@@ -28,6 +28,7 @@ struct FleetOf : AnyFleet {
         T const *const P = static_cast<T const*>(psi), *const v = static_cast<T const*>(y);
         Index const M = fleet.filters(), d = fleet.parameters();
         if (!strides) return fleet.update(Eigen::Map<Matrix<T> const>(P, M, d), Eigen::Map<Vector<T> const>(v, M));
+        driver::expect_here(P), driver::expect_here(v);
         driver::wait();  // for whoever makes the rows, on any stream
         fleet.update(RowsThere<T>{P, v, 1, Index(strides[0]), Index(strides[1]), 0, Index(strides[2]), 0});
         driver::wait();
@@ -58,7 +59,7 @@ int told(char* words, Work const& work) {
         return 0;
     } catch (std::exception const& failure) {
         std::strncpy(words, failure.what(), 255);
-        return 1;
+        return dynamic_cast<std::invalid_argument const*>(&failure) ? 2 : 1;
     }
 }
 
@@ -74,7 +75,8 @@ EXPORTED int rlslab_gpu_make(AnyFleet** out, char const* form, int is_double, st
                              char* words) {
     return told(words, [&] {
         rlslab::Problem<double> problem{.size = size, .forgetting = forgetting, .prior = std::nullopt};
-        if (variance != 0 || theta || covariance) {
+        rlslab::expects(variance != 0 || covariance || !theta, "a prior variance or covariance beside a prior theta");
+        if (variance != 0 || covariance) {
             problem.prior = rlslab::Prior<double>{};
             if (variance != 0) problem.prior->variance = variance;
             if (theta) problem.prior->theta = Eigen::Map<rlslab::Vector<double> const>(theta, size);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import pathlib
+import threading
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,8 @@ def _call(name: str, *arguments: Any) -> None:
             raise RuntimeError("this rlslab was built without fleets on a GPU (clang-16)")
         _library = ctypes.CDLL(str(path))
     words = ctypes.create_string_buffer(256)
-    if getattr(_library, "rlslab_gpu_" + name)(*arguments, words):
-        raise RuntimeError(words.value.decode())
+    if code := getattr(_library, "rlslab_gpu_" + name)(*arguments, words):
+        raise (ValueError if code == 2 else RuntimeError)(words.value.decode())
 
 
 def _address(array: NDArray[Any] | None) -> ctypes.c_void_p:
@@ -35,13 +36,17 @@ def _on_gpu(array: Any, name: str, dtype: np.dtype[Any], shape: tuple[int, ...])
     """The address of an array that is on the GPU, and its strides in numbers."""
     if hasattr(array, "block_until_ready"):
         array.block_until_ready()  # jax: what makes it may not have been started
-    about = array.__cuda_array_interface__
+    about = getattr(array, "__cuda_array_interface__", None)
+    if about is None:
+        raise TypeError(f"{name} is not on the GPU, as the other is")
+    if about.get("mask") is not None:
+        raise _rows.is_masked(name)
     if tuple(about["shape"]) != shape:
         raise ValueError(f"{name} has shape {tuple(about['shape'])}, expected {shape}")
     if np.dtype(about["typestr"]) != dtype:
         raise ValueError(f"{name} holds {np.dtype(about['typestr'])} on the GPU, this fleet {dtype}")
     strides = about.get("strides") or [int(np.prod(shape[k + 1 :])) * dtype.itemsize for k in range(len(shape))]
-    if any(stride % dtype.itemsize for stride in strides):
+    if any(n % dtype.itemsize for n in (about["data"][0], *strides)):
         raise ValueError(f"{name} is not aligned")
     return int(about["data"][0]), [stride // dtype.itemsize for stride in strides]
 
@@ -57,12 +62,23 @@ class CudaFleet:
     def __init__(self, variant: str, filters: int, size: int, options: tuple[Any, ...], dtype: np.dtype[Any]) -> None:
         forgetting, variance, theta, covariance = options
         self.variant, self.filters, self.size, self.dtype = variant, filters, size, dtype
-        self._fleet = ctypes.c_void_p()
+        self._fleet, self._turn = ctypes.c_void_p(), threading.Lock()
         _call(
             "make", ctypes.byref(self._fleet), variant.encode(), int(dtype.itemsize == 8), ctypes.c_int64(filters),
             ctypes.c_int64(size), ctypes.c_double(forgetting), ctypes.c_double(variance), _address(theta),
             _address(covariance),
         )
+
+    def _use(self, name: str, *arguments: Any) -> None:
+        if not self._turn.acquire(blocking=False):
+            raise RuntimeError("in use by another thread: threads take turns at one fleet")
+        try:
+            _call(name, self._fleet, *arguments)
+        finally:
+            self._turn.release()
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a fleet on a GPU is not copied: make another, and restore() the state of this one")
 
     def __del__(self) -> None:
         if _library is not None and getattr(self, "_fleet", None):
@@ -75,20 +91,20 @@ class CudaFleet:
         counts them.
         """
         shape = (self.filters, self.size)
-        if hasattr(Psi, "__cuda_array_interface__"):
+        if hasattr(Psi, "__cuda_array_interface__") or hasattr(y, "__cuda_array_interface__"):
             psi_at, psi_strides = _on_gpu(Psi, "Psi", self.dtype, shape)
             y_at, y_strides = _on_gpu(y, "y", self.dtype, shape[:1])
             strides = (ctypes.c_int64 * 3)(*psi_strides, *y_strides)
-            _call("update", self._fleet, ctypes.c_void_p(psi_at), ctypes.c_void_p(y_at), strides)
+            self._use("update", ctypes.c_void_p(psi_at), ctypes.c_void_p(y_at), strides)
             return
         P, v = _rows.block(Psi, y, self.size)
         if len(v) != self.filters:
             raise ValueError(f"{len(v)} rows for {self.filters} filters")
         P, v = np.asfortranarray(P, self.dtype), np.ascontiguousarray(v, self.dtype)
-        _call("update", self._fleet, _address(P), _address(v), None)
+        self._use("update", _address(P), _address(v), None)
 
     def _read(self, theta: Any = None, health: Any = None, missing: Any = None) -> None:
-        _call("read", self._fleet, _address(theta), _address(health), _address(missing))
+        self._use("read", _address(theta), _address(health), _address(missing))
 
     @property
     def theta(self) -> NDArray[np.floating[Any]]:
@@ -115,14 +131,15 @@ class CudaFleet:
     def state(self) -> bytes:
         """The state of all, in the library's format."""
         size = ctypes.c_int64()
-        _call("state", self._fleet, None, ctypes.byref(size))
+        self._use("state", None, ctypes.byref(size))
         out = ctypes.create_string_buffer(size.value)
-        _call("state", self._fleet, out, ctypes.byref(size))
+        self._use("state", out, ctypes.byref(size))
         return out.raw
 
     def restore(self, state: bytes) -> None:
         """Go on from the state of such a fleet."""
-        _call("load", self._fleet, state, ctypes.c_int64(len(state)))
+        state = bytes(memoryview(state))
+        self._use("load", state, ctypes.c_int64(len(state)))
 
     def __repr__(self) -> str:
         return f"Fleet({self.variant!r}, filters={self.filters}, size={self.size}, device='cuda')"

@@ -131,6 +131,8 @@ std::vector<std::string> lost_of(int d) {
     if (!same(one, other.filter(3)) || other.health(3) != Health::sound) out.push_back("put");
     if (!same(other.filter(35), F(problem_of<T>(d)))) out.push_back("a neighbour");
     std::vector<std::byte> const bytes = state_of(fleet);
+    if (load(other, bytes) == StateFault::none) other.reset();
+    if (!same(other.filter(0), F(problem_of<T>(d)))) out.push_back("reset");
     if (load(other, bytes) != StateFault::none) out.push_back("load");
     rows(31), other.update(psi, y);
     for (Index i = 0; i < M; ++i)

@@ -85,7 +85,10 @@ CUDA cuGetErrorString(int, char const** to) { return *to = "refused by the tests
 CUDA cuDeviceGet(int* to, int) { return *to = 0; }
 CUDA cuDeviceGetName(char* to, int room, int) { return std::snprintf(to, size_t(room), "host"), 0; }
 CUDA cuDevicePrimaryCtxRetain(void** to, int) { return *to = nullptr, 0; }
-CUDA cuCtxSetCurrent(void*) { return 0; }
+CUDA cuDeviceGetAttribute(int* to, int, int) { return *to = 7, 0; }
+CUDA cuCtxPushCurrent_v2(void*) { return 0; }
+CUDA cuCtxPopCurrent_v2(void**) { return 0; }
+CUDA cuPointerGetAttribute(void* to, int, unsigned long long) { return *static_cast<int*>(to) = 0; }
 CUDA cuCtxSynchronize() { return 0; }
 CUDA cuModuleLoadData(void** to, void const* text) {
     return *to = nullptr, std::string(static_cast<char const*>(text)).find(".entry") == std::string::npos;
@@ -97,7 +100,6 @@ CUDA cuModuleGetFunction(void** to, void*, char const* name) {
     *to = reinterpret_cast<void*>(found->second);
     return 0;
 }
-CUDA cuFuncSetAttribute(void*, int, int) { return 0; }
 CUDA cuMemAlloc_v2(unsigned long long* to, size_t bytes) {
     *to = reinterpret_cast<unsigned long long>(std::aligned_alloc(256, (bytes + 255) & ~size_t(255)));
     return *to == 0;

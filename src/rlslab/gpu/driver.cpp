@@ -7,13 +7,8 @@
 #include <mutex>
 #include <stdexcept>
 
-asm(".section .rodata\n"
-    ".global rlslab_ptx_first\n"
-    "rlslab_ptx_first: .incbin \"" RLSLAB_PTX
-    "\"\n"
-    ".global rlslab_ptx_last\n"
-    "rlslab_ptx_last: .byte 0\n"
-    ".previous\n");
+asm(".section .rodata\n.global rlslab_ptx_first\nrlslab_ptx_first: .incbin \"" RLSLAB_PTX
+    "\"\n.global rlslab_ptx_last\nrlslab_ptx_last: .byte 0\n.previous\n");
 extern "C" char const rlslab_ptx_first[], rlslab_ptx_last[];
 
 namespace rlslab::gpu::driver {
@@ -26,9 +21,11 @@ using Result = int;                  // CUresult: 0 is success
 // clang-format off
 #define RLSLAB_FUNCTIONS(F)                                                                                         \
     F(cuInit, unsigned) F(cuGetErrorString, Result, char const**) F(cuDeviceGet, int*, int) F(cuCtxSynchronize)     \
-    F(cuDeviceGetName, char*, int, int) F(cuDevicePrimaryCtxRetain, void**, int) F(cuCtxSetCurrent, void*)          \
-    F(cuModuleLoadData, void**, void const*) F(cuModuleGetFunction, void**, void*, char const*)                     \
-    F(cuFuncSetAttribute, void*, int, int) F(cuMemAlloc_v2, Address*, std::size_t) F(cuMemFree_v2, Address)         \
+    F(cuDeviceGetName, char*, int, int) F(cuDeviceGetAttribute, int*, int, int)                                     \
+    F(cuDevicePrimaryCtxRetain, void**, int) F(cuCtxPushCurrent_v2, void*) F(cuCtxPopCurrent_v2, void**)            \
+    F(cuPointerGetAttribute, void*, int, Address) F(cuModuleLoadData, void**, void const*)                          \
+    F(cuModuleGetFunction, void**, void*, char const*) F(cuMemAlloc_v2, Address*, std::size_t)                      \
+    F(cuMemFree_v2, Address)                                                                                        \
     F(cuMemcpyHtoD_v2, Address, void const*, std::size_t) F(cuMemcpyDtoH_v2, void*, Address, std::size_t)           \
     F(cuLaunchKernel, void*, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**, \
       void**)
@@ -39,33 +36,28 @@ struct Functions {
 };
 
 class Driver {
-    void* library_ = nullptr;
-    void* context_ = nullptr;
     std::map<std::string, void*> kernels_;
     std::mutex mutex_;  // guards kernels_
-
-    template <class Function>
-    void find(Function& f, char const* name) {
-        f = reinterpret_cast<Function>(dlsym(library_, name));
-        if (!f) throw std::runtime_error(std::string("no GPU: libcuda.so.1 has no ") + name);
-    }
 
 public:
     Functions call{};
     int device = 0;
+    void* context = nullptr;
 
     Driver() {
-        library_ = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
-        if (!library_) throw std::runtime_error("no GPU: libcuda.so.1, NVIDIA's driver, is not installed");
-#define RLSLAB_FIND(NAME, ...) find(call.NAME, #NAME);
+        void* const library = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
+        if (!library) throw std::runtime_error("no GPU: libcuda.so.1, NVIDIA's driver, is not installed");
+#define RLSLAB_FIND(NAME, ...)                                                           \
+    if (!(call.NAME = reinterpret_cast<Result (*)(__VA_ARGS__)>(dlsym(library, #NAME)))) \
+        throw std::runtime_error("no GPU: libcuda.so.1 has no " #NAME);
         RLSLAB_FUNCTIONS(RLSLAB_FIND)
         check(call.cuInit(0), "no GPU");
         check(call.cuDeviceGet(&device, 0), "no GPU");
-        check(call.cuDevicePrimaryCtxRetain(&context_, device), "no context on the GPU");
-        use();
+        int major = 0;
+        check(call.cuDeviceGetAttribute(&major, 75, device), "no GPU");  // 75: of the compute capability
+        if (major < 7) throw std::runtime_error("no GPU: one of compute capability 7.0 (Volta) or newer is needed");
+        check(call.cuDevicePrimaryCtxRetain(&context, device), "no context on the GPU");
     }
-    /// This thread works in the GPU's context from now on.
-    void use() { check(call.cuCtxSetCurrent(context_), "no context on the GPU"); }
     void check(Result result, std::string const& what) const {
         if (result == 0) return;
         char const* words = nullptr;
@@ -81,8 +73,7 @@ public:
         check(call.cuModuleGetFunction(&out, module, name.c_str()), "no kernel " + name);
         return out;
     }
-    /// The PTX that holds this kernel, without the others: the driver compiles one in a moment, all in a minute. The
-    /// parts (kernels.cu) stand one after another, each from its .version on.
+    /// This kernel's PTX alone, compiled in a moment. The parts of kernels.cu follow one another, each from .version on.
     static std::string with_one_entry(std::string const& name) {
         std::string_view const all = ptx(), start = ".visible .entry ";
         std::size_t const at = all.find(std::string(start) + name + "(");
@@ -101,10 +92,20 @@ public:
         return out;
     }
 };
-Driver& driver() {
+/// The driver, in the GPU's context until this ends: then the thread has the context that it had.
+struct InContext {
+    Driver& of;
+    explicit InContext(Driver& d) : of(d) { d.check(d.call.cuCtxPushCurrent_v2(d.context), "no context on the GPU"); }
+    InContext(InContext const&) = delete;
+    ~InContext() {
+        void* was;
+        of.call.cuCtxPopCurrent_v2(&was);
+    }
+    Driver* operator->() const { return &of; }
+};
+InContext driver() {
     static Driver the_first;
-    the_first.use();
-    return the_first;
+    return InContext(the_first);
 }
 
 }  // namespace
@@ -112,33 +113,41 @@ Driver& driver() {
 void start() { driver(); }
 std::string device_name() {
     char name[256] = {};
-    driver().check(driver().call.cuDeviceGetName(name, sizeof name - 1, driver().device), "no name of the GPU");
+    driver()->check(driver()->call.cuDeviceGetName(name, sizeof name - 1, driver()->device), "no name of the GPU");
     return name;
 }
-void wait() { driver().check(driver().call.cuCtxSynchronize(), "the GPU failed"); }
-void* kernel(std::string const& name) { return driver().kernel(name); }
+void wait() { driver()->check(driver()->call.cuCtxSynchronize(), "the GPU failed"); }
+void* kernel(std::string const& name) { return driver()->kernel(name); }
 void launch(void* kernel, std::size_t blocks, unsigned threads, std::size_t shared, void const* argument) {
-    constexpr int most_dynamic_shared = 8;  // CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES
-    Driver& d = driver();
-    if (shared > 48 * 1024)
-        d.check(d.call.cuFuncSetAttribute(kernel, most_dynamic_shared, int(shared)), "too little shared memory");
+    InContext const d = driver();
     void* arguments[] = {const_cast<void*>(argument)};
-    d.check(d.call.cuLaunchKernel(kernel, unsigned(blocks), 1, 1, threads, 1, 1, unsigned(shared), nullptr, arguments,
-                                  nullptr),
-            "the GPU does not start");
+    d->check(d->call.cuLaunchKernel(kernel, unsigned(blocks), 1, 1, threads, 1, 1, unsigned(shared), nullptr, arguments,
+                                    nullptr),
+             "the GPU does not start");
 }
 std::string_view ptx() { return {rlslab_ptx_first, std::size_t(rlslab_ptx_last - rlslab_ptx_first)}; }
 std::uint64_t allocate(std::size_t bytes) {
     Address at = 0;
-    if (bytes > 0) driver().check(driver().call.cuMemAlloc_v2(&at, bytes), std::to_string(bytes) + " bytes on the GPU");
+    if (bytes > 0)
+        driver()->check(driver()->call.cuMemAlloc_v2(&at, bytes), std::to_string(bytes) + " bytes on the GPU");
     return at;
 }
-void release(std::uint64_t at) noexcept { driver().call.cuMemFree_v2(at); }
+void release(std::uint64_t at) noexcept {
+    try {
+        driver()->call.cuMemFree_v2(at);
+    } catch (std::exception const&) {}  // its context is gone, and the memory with it
+}
+void expect_here(void const* at) {
+    int on = -1;
+    InContext const d = driver();
+    d->check(d->call.cuPointerGetAttribute(&on, 9, Address(at)), "rows that are not on the GPU");  // 9: the device
+    if (on != d->device) throw std::invalid_argument("rows on GPU " + std::to_string(on) + ", expected the first");
+}
 void to_device(std::uint64_t to, void const* from, std::size_t bytes) {
-    if (bytes > 0) driver().check(driver().call.cuMemcpyHtoD_v2(to, from, bytes), "no copy to the GPU");
+    if (bytes > 0) driver()->check(driver()->call.cuMemcpyHtoD_v2(to, from, bytes), "no copy to the GPU");
 }
 void from_device(void* to, std::uint64_t from, std::size_t bytes) {
-    if (bytes > 0) driver().check(driver().call.cuMemcpyDtoH_v2(to, from, bytes), "no copy from the GPU");
+    if (bytes > 0) driver()->check(driver()->call.cuMemcpyDtoH_v2(to, from, bytes), "no copy from the GPU");
 }
 
 }  // namespace rlslab::gpu::driver

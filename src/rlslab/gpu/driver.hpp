@@ -20,6 +20,8 @@ namespace driver {
 void start();
 std::string device_name();
 void wait();  ///< for all work on the GPU, whose ever
+/// Throws unless the address is in this GPU's memory.
+void expect_here(void const* at);
 /// The kernel of that name, which the driver compiles out of the library's PTX at the first call (and keeps on disk).
 void* kernel(std::string const& name);
 /// One argument; shared: bytes of shared memory a block.

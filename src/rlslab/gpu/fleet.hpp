@@ -22,8 +22,8 @@ struct RowsThere {
 /// nonfinite: after that other numbers may be NaN than there. A sample with a number that is not finite is missing, as
 /// of rlslab::Fleet, and so is what health(i) says. All filters have one problem.
 ///
-/// Memory: bytes_per_filter() and 5 bytes of health and counts a filter; rows of the host are copied. No update waits:
-/// what reads a result does. Throws std::runtime_error, in one sentence, where there is no GPU or it fails.
+/// Memory: bytes_per_filter() and 5 bytes a filter; rows of the host are copied, which an update waits for. What reads a
+/// result waits for it. Throws std::runtime_error, in one sentence, where there is no GPU or it fails.
 template <class F>
 class Fleet {
 public:
@@ -35,8 +35,7 @@ public:
 
     /// Throws std::invalid_argument unless filters >= 1 and the problem has 1 to 32 parameters, and as F.
     Fleet(Index filters, Problem<T> const& problem)
-        : fresh_(problem), filters_(filters), size_(Index(fresh_.theta().size())),
-          first_(problem.prior ? Health::sound : Health::undetermined) {
+        : fresh_(problem), filters_(filters), size_(Index(fresh_.theta().size())) {
         expects(1 <= filters && filters <= std::numeric_limits<Index>::max() / (1 << 20), "filters >= 1");
         expects(size_ <= 32, "1 to 32 parameters on a GPU");
         detail::RecordSize<T> counted;
@@ -66,36 +65,22 @@ public:
     /// The same of rows that are there already. They must stay until wait(), or until what follows on the GPU's default
     /// stream.
     void update(RowsThere<T> const& rows) {
+        expects(records_.size() > 0 && rows.rows >= 1, "a fleet that was not moved from, and rows");
         upload();
-        detail::LaneRows<T> in{records_.data(),
-                               rows.psi,
-                               rows.y,
-                               health_.data(),
-                               missing_.data(),
-                               filters_,
-                               rows.rows,
-                               size_,
-                               words_,
-                               rows.psi_filter,
-                               rows.psi_parameter,
-                               rows.psi_row,
-                               rows.y_filter,
-                               rows.y_row,
-                               0,
-                               {}};
+        detail::LaneRows<T> in{records_.data(),    rows.psi,     rows.y,        health_.data(), missing_.data(),
+                               filters_,           rows.rows,    size_,         words_,         rows.psi_filter,
+                               rows.psi_parameter, rows.psi_row, rows.y_filter, rows.y_row};
         detail::LaneWriting<T> constants(in.constants, 1);
         detail::constants_of(fresh_, constants);
         std::string kernel = "rlslab_" + std::string(name) + (sizeof(T) == 8 ? "_double_" : "_float_");
-        if (!is_team()) {
-            driver::launch(driver::kernel(kernel + std::to_string(size_)), size_t((filters_ + 127) / 128), 128, 0, &in);
-        } else {
-            Index const lanes = size_ <= 16 ? 16 : 32, together = team_threads / lanes;
+        Index const lanes = size_ <= 16 ? 16 : 32, together = is_team() ? team_threads / lanes : team_threads;
+        if (is_team()) {
             Index const of_record = name == "conventional" ? 0 : words_;
             in.room = lanes == 16 ? detail::team_room<16>(of_record) : detail::team_room<32>(of_record);
             kernel += "team_" + std::to_string(lanes) + "_" + std::to_string(size_ == lanes ? lanes : 0);
-            driver::launch(driver::kernel(kernel), size_t((filters_ + together - 1) / together), team_threads,
-                           size_t(together * in.room) * sizeof(T), &in);
-        }
+        } else kernel += std::to_string(size_);
+        driver::launch(driver::kernel(kernel), size_t((filters_ + together - 1) / together), team_threads,
+                       size_t(together * in.room) * sizeof(T), &in);
         rows_ += rows.rows;
     }
     void wait() const { driver::wait(); }
@@ -135,8 +120,8 @@ public:
         detail::pieces_of(out, from);
         return out;
     }
-    /// And back: filter i goes on as this one, of the fleet's size and forgetting. Its health is sound, or undetermined
-    /// where theta is not finite. Throws std::invalid_argument for another.
+    /// And back: filter i goes on as this one, of the fleet's size and forgetting; its counts stay. Its health is sound,
+    /// or undetermined where theta is not finite. Throws std::invalid_argument for another.
     void put(Index i, F const& one) {
         check(i);
         expects(Index(one.theta().size()) == size_, "a filter of the fleet's size");
@@ -174,11 +159,8 @@ public:
             }
         }
     }
-    /// All filters begin anew.
-    void reset() {
-        rows_ = 0;
-        begin();
-    }
+    /// All filters begin anew, also where a state was loaded.
+    void reset() { rows_ = 0, host_ = {}, host_is_newer_ = false, begin(); }
 
     static constexpr std::string_view layer = "gpu_fleet";
     static std::array<StateOption, 1> options(auto const& f) { return {{{"filters", double(f.filters_)}}}; }
@@ -196,7 +178,6 @@ private:
     };
     mutable F fresh_;
     Index filters_, size_, words_ = 0, rows_ = 0;
-    Health first_;
     mutable Memory<T> records_;
     mutable Memory<unsigned char> health_;
     mutable Memory<unsigned> missing_;
@@ -217,8 +198,8 @@ private:
         }
         for (Index g = 0; g < groups(); g += some)
             records_.write(size_t(g * of_group), held.data(), size_t(std::min(some, groups() - g) * of_group));
-        health_.write(0, std::vector<unsigned char>(size_t(filters_), (unsigned char)(first_)).data(),
-                      size_t(filters_));
+        Health const first = Vector<T>(fresh_.theta()).allFinite() ? Health::sound : Health::undetermined;
+        health_.write(0, std::vector<unsigned char>(size_t(filters_), (unsigned char)(first)).data(), size_t(filters_));
         missing_.write(0, std::vector<unsigned>(size_t(filters_), 0).data(), size_t(filters_));
     }
     template <class X>
@@ -244,7 +225,7 @@ private:
     }
     void download() const { host_ = {all_of(records_), healths(), all_of(missing_)}; }
     void upload() const {
-        if (!host_is_newer_) return;
+        if (!host_is_newer_) return void(host_ = {});
         host_is_newer_ = false;
         records_.write(0, host_.records.data(), host_.records.size());
         std::vector<unsigned char> codes;

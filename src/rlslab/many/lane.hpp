@@ -18,8 +18,8 @@ struct LaneRows {
     unsigned* missing;
     Index filters, rows, size, words;
     Index psi_filter, psi_parameter, psi_row, y_filter, y_row;
-    Index room;      ///< numbers that a team shares (gpu/team.hpp)
-    T constants[4];  ///< lambda and what is computed from it, in the order of `constants_of`
+    Index room = 0;       ///< numbers that a team shares (gpu/team.hpp)
+    T constants[4] = {};  ///< lambda and what is computed from it, in the order of `constants_of`
 
     T psi_of(Index i, Index k, Index j) const { return psi[i * psi_filter + j * psi_parameter + k * psi_row]; }
     T y_of(Index i, Index k) const { return y[i * y_filter + k * y_row]; }
