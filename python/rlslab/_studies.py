@@ -167,7 +167,7 @@ def sweep(
     words = _program.options(
         regressors=names,
         output=output,
-        row_orders=row_orders,
+        row_orders=_program.word(row_orders),
         intercept=intercept,
         detrend=detrend,
         seed=seed,
