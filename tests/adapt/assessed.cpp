@@ -218,6 +218,24 @@ TEST(Assessed, AnswersThroughWeights) {
     EXPECT_EQ(seen.prediction(psi).high, plain.prediction(psi).high);
     EXPECT_NEAR(weighted.filter().noise_variance() / (sigma * sigma), 1, 0.3);
 }
+/// Weights tell how the rows' variances stand to one another: all of them times 4 change neither theta nor a deviation.
+TEST(Assessed, IsTheSameWithAllWeightsTimesFour) {
+    Problem<double> const problem{.size = 3, .forgetting = 0.984375, .prior = std::nullopt};
+    Weighted<Assessed<Gentleman<double, 3>>> once(problem), fourfold(problem);
+    Seed rows{9};
+    double psi[3];
+    for (int k = 0; k < 100; ++k) {
+        double const y = draw(rows, psi), w = k % 3 ? 0.75 : 3;
+        once.update(psi, y, w);
+        fourfold.update(psi, y, 4 * w);
+    }
+    for (Index j = 0; j < 3; ++j) {
+        EXPECT_EQ(once.theta()[j], fourfold.theta()[j]);
+        EXPECT_EQ(once.interval(j).deviation, fourfold.interval(j).deviation);
+        EXPECT_GT(once.interval(j).deviation, 0);
+    }
+    EXPECT_EQ(4 * once.filter().noise_variance(), fourfold.filter().noise_variance());
+}
 TEST(State, OfAnAssessedFilterContinues) {
     Assessed<Ud<float, 3>> f(Problem<float>{.forgetting = 0.9375f}), g(Problem<float>{.forgetting = 0.5f});
     run_rows(f, 40, Seed{1});
