@@ -159,7 +159,8 @@ int study_whole(StudyArguments const& a) {
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
     replace_file(a.options.out / "verdicts.csv", as_comments(run_of(outcomes, a.options)) + verdicts_csv(outcomes));
     std::string text;
-    for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour()) + '\n';
+    size_t const columns = terminal_columns(), width = columns > 0 ? line_width(columns, 120) : text.npos;
+    for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour(), width) + '\n';
     if (!a.record.empty()) replace_file(a.record, record_json(outcomes, a.known));
     std::vector<std::string> const changed = changes(outcomes, a.known), broken = failed_verifications(outcomes);
     text += listed("Changed against the recorded verdicts (of seed 1):", changed);

@@ -2,6 +2,7 @@
 #include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +65,7 @@ double expected_errors(std::vector<Outcome> const& outcomes) {
     return sum;
 }
 
-std::string verdict_lines(Outcome const& outcome, bool colour) {
+std::string verdict_lines(Outcome const& outcome, bool colour, size_t width) {
     auto const painted = [&](std::string_view text, int code) {
         return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
     };
@@ -79,8 +80,9 @@ std::string verdict_lines(Outcome const& outcome, bool colour) {
         std::string const verdict = judgement.verdict == Verdict::fails ? painted("FAILS    ", 31)
                                     : judgement.holds()                 ? painted("holds    ", 32)
                                                                         : painted("undecided", 33);
-        out += fmt::format("  {}  {:<12}  {}: {}{}\n", verdict, name_of(claim.basis.kind), claim.text,
-                           judgement.measured, claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
+        std::string const said = fmt::format("{}: {}{}", claim.text, judgement.measured,
+                                             claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
+        out += fmt::format("  {}  {:<12}  {}\n", verdict, name_of(claim.basis.kind), wrapped(said, 27, 13, width));
     }
     return out;
 }

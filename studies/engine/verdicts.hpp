@@ -26,7 +26,7 @@ std::string count_lines(std::span<Outcome const> outcomes);
 double expected_errors(std::vector<Outcome> const& outcomes);
 
 /// The claims that fail, then the undecided, then the others; each with its kind, its verdict and the measurement.
-std::string verdict_lines(Outcome const& outcome, bool colour);
+std::string verdict_lines(Outcome const& outcome, bool colour, size_t width = std::string::npos);
 std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const& options);
 /// A line for each study and kind: how many claims hold, fail, are undecided.
 std::string verdicts_csv(std::vector<Outcome> const& outcomes);

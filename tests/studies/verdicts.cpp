@@ -89,6 +89,10 @@ TEST(Verdicts, FailuresAreListedFirst) {
     Study const study = of_three();
     std::string const lines = verdict_lines(outcome(study, yes, no, unknown), false),
                       page = report_html({outcome(study, yes, no, unknown)}, {});
+    std::istringstream folded(verdict_lines(outcome(study, yes, no, unknown), false, 44));
+    std::string line;
+    std::getline(folded, line);  // the study's question
+    while (std::getline(folded, line)) EXPECT_LE(line.size(), 44u) << line;
     EXPECT_LT(lines.find("FAILS      reproduction  a number"), lines.find("undecided  finding       ours"));
     EXPECT_LT(lines.find("undecided"), lines.find("holds      verification"));
     EXPECT_LT(page.find("What fails"), page.find("What is undecided"));
