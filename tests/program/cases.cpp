@@ -101,7 +101,9 @@ TEST_F(Program, SaysTheRightValueOrAClearLineForEveryCase) {
         Outcome const run = shell("rlslab " + command + " --variants ud --arithmetic double --no-timings --json");
         ASSERT_EQ(run.code, 0) << run.err << command;
         json const answer = json::parse(run.out), said = answer["reference"]["least_squares"];
-        if (*one.names) EXPECT_THAT(answer["warnings"].dump(), rlslab::Names(one.names)) << command;
+        if (*one.names) {
+            EXPECT_THAT(answer["warnings"].dump(), rlslab::Names(one.names)) << command;
+        }
         ASSERT_EQ(said.size(), one.theta.size()) << command;
         for (size_t j = 0; j < one.theta.size(); ++j) {
             // Half a unit of the last digit that stands in the table, or of binary64's sixteenth.
