@@ -1,5 +1,5 @@
 // Fleets on a GPU behind C functions, for python/rlslab/_cuda.py: a library of its own, which no Python's version
-// matters to. Each function returns 0, or writes one sentence to `words` (256 characters) and returns 1; 2: an argument's.
+// matters to. Each function returns 0, or writes one sentence to `words` (256 characters) and returns 1, or 2.
 #include <rlslab/gpu/fleet.hpp>
 #include <rlslab/gpu/kernels.hpp>
 #include <rlslab/state/state.hpp>

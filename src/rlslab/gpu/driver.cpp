@@ -73,7 +73,7 @@ public:
         check(call.cuModuleGetFunction(&out, module, name.c_str()), "no kernel " + name);
         return out;
     }
-    /// This kernel's PTX alone, compiled in a moment. The parts of kernels.cu follow one another, each from .version on.
+    /// This kernel's PTX alone, compiled in a moment. The parts of kernels.cu follow each other, each from .version on.
     static std::string with_one_entry(std::string const& name) {
         std::string_view const all = ptx(), start = ".visible .entry ";
         std::size_t const at = all.find(std::string(start) + name + "(");

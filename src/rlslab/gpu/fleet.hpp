@@ -22,8 +22,8 @@ struct RowsThere {
 /// nonfinite: after that other numbers may be NaN than there. A sample with a number that is not finite is missing, as
 /// of rlslab::Fleet, and so is what health(i) says. All filters have one problem.
 ///
-/// Memory: bytes_per_filter() and 5 bytes a filter; rows of the host are copied, which an update waits for. What reads a
-/// result waits for it. Throws std::runtime_error, in one sentence, where there is no GPU or it fails.
+/// Memory: bytes_per_filter() and 5 bytes a filter; an update waits for the copy of the host's rows. What reads a result
+/// waits for it. Throws std::runtime_error, in one sentence, where there is no GPU or it fails.
 template <class F>
 class Fleet {
 public:
@@ -120,7 +120,7 @@ public:
         detail::pieces_of(out, from);
         return out;
     }
-    /// And back: filter i goes on as this one, of the fleet's size and forgetting; its counts stay. Its health is sound,
+    /// And back: filter i goes on as this one, of the fleet's size and forgetting; counts stay. Its health is sound,
     /// or undetermined where theta is not finite. Throws std::invalid_argument for another.
     void put(Index i, F const& one) {
         check(i);
