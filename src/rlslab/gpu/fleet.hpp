@@ -22,7 +22,7 @@ struct RowsThere {
 /// nonfinite: after that other numbers may be NaN than there. A sample with a number that is not finite is missing, as
 /// of rlslab::Fleet, and so is what health(i) says. All filters have one problem.
 ///
-/// Memory: bytes_per_filter() and 5 bytes a filter; an update waits for the copy of the host's rows. What reads a result
+/// Memory: bytes_per_filter() and 5 bytes a filter; an update waits for copies of the host's rows. What reads a result
 /// waits for it. Throws std::runtime_error, in one sentence, where there is no GPU or it fails.
 template <class F>
 class Fleet {
