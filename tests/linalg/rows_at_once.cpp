@@ -90,8 +90,8 @@ void check() {
             for (Index block : {1, 2, 7})
                 EXPECT_TRUE((equal<F<T, Dynamic>>(size, block))) << size << " parameters, blocks of " << block;
         // large ones, where each way through the matrix is taken (dispatch.hpp), with every remainder of a group of
-        // columns
-        for (Index size : {200, 255, 256, 322, 385, 517, 643, 1028, 1606, 1607})
+        // columns; beyond 1600 one for each arithmetic
+        for (Index size : {200, 255, 256, 322, 385, 517, 643, 1028, sizeof(T) == 8 ? 1606 : 1607})
             EXPECT_TRUE((equal<F<T, Dynamic>>(size, 3))) << size << " parameters";
         EXPECT_TRUE((equal<F<T, Dynamic>>(20, 64))) << "64 rows";
         EXPECT_TRUE((equal<F<T, 4>>(4, 7) && equal<F<T, 8>>(8, 7) && equal<F<T, 20>>(20, 7))) << "fixed sizes";
