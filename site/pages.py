@@ -155,7 +155,8 @@ def escaped(text):
     return re.sub(r"([*<\[$])(?!\s)", lambda m: "&lt;" if m[1] == "<" else "\\" + m[1], text)
 
 
-# The code of a variant: the blocks of README, docs/python.md and docs/c.md with its name in place of ud.
+# The code of a variant: the blocks of README, docs/python.md and docs/c.md with its name in place of theirs; with the
+# default prior where it needs one.
 
 def code_of(header):
     out = {}
@@ -163,9 +164,11 @@ def code_of(header):
     out["C++"] = (fenced("README.md", "cpp").replace("variants/ud.hpp", f"variants/{header.name}.hpp")
                   .replace("Ud<double>", header.type + use))
     if not header.sparse:
-        out["Python"] = (fenced("docs/python.md", "python").replace("rlslab.Ud", f"rlslab.{header.type}")
-                         .replace(">>> step.innovation,", ">>> round(step.innovation, 9),"))
-        out["C"] = fenced("docs/c.md", "c").replace('"ud"', f'"{header.name}"')
+        out["Python"] = fenced("docs/python.md", "python").replace("rlslab.Qr(", f"rlslab.{header.type}(")
+        out["C"] = fenced("docs/c.md", "c").replace('"qr"', f'"{header.name}"')
+        if not header.free:
+            out["Python"] = out["Python"].replace(", prior_variance=None", "")
+            out["C"] = re.sub(r"\n *options\.prior_variance = 0;.*", "", out["C"])
     return out
 
 
