@@ -35,8 +35,8 @@ std::vector<std::map<std::string, std::string>> cells_of(std::string const& csv)
     return out;
 }
 
-/// Whether the digits, in tenths, are the median of compare's path, in thousandths, from row 2 d on. A trial is one draw
-/// of the roundings, and so is the path; compare's own median is of four draws and more.
+/// Whether digits, in tenths, are the median of compare's path, in thousandths, from row 2 d on. A trial is one draw of
+/// the roundings, and so is the path; compare's own median is of four draws and more.
 bool is_median(double tenths, json const& compared, json const& result, char const* measure) {
     int const row = 2 * compared.at("data").at("size").get<int>();
     std::vector<double> digits;
