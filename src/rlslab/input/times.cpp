@@ -27,6 +27,14 @@ std::optional<int> taken(std::string_view& text, std::size_t digits, char end) {
     return value;
 }
 
+/// The seconds from 1970 to a day; nothing where the calendar has none.
+std::optional<double> start_of_day(int year, int month, int day) {
+    std::chrono::year_month_day const date{std::chrono::year(year), std::chrono::month(unsigned(month)),
+                                           std::chrono::day(unsigned(day))};
+    if (!date.ok()) return {};
+    return 86400.0 * double(std::chrono::sys_days(date).time_since_epoch().count());
+}
+
 /// 2024-05-17, 2024/05/17, or 17.05.2024. 05/17/2024 is another day elsewhere.
 std::optional<double> date_in(std::string_view& text) {
     bool const day_first = text.size() > 2 && text[2] == '.';
@@ -36,10 +44,7 @@ std::optional<double> date_in(std::string_view& text) {
                last = month ? taken(text, day_first ? 4 : 2, 0) : std::nullopt;
     if (!last) return {};
     auto const year = day_first ? last : first, day = day_first ? first : last;
-    std::chrono::year_month_day const date{std::chrono::year(*year), std::chrono::month(unsigned(*month)),
-                                           std::chrono::day(unsigned(*day))};
-    if (!date.ok()) return {};
-    return 86400.0 * double(std::chrono::sys_days(date).time_since_epoch().count());
+    return start_of_day(*year, *month, *day);
 }
 
 /// "Z", "+02:00", "-0330", "+02", in seconds.
@@ -90,11 +95,9 @@ std::optional<double> stamp_in(double number) {
     int const year = taken(text, 4, 0).value(), month = taken(text, 2, 0).value(), day = taken(text, 2, 0).value();
     int const hour = taken(text, 2, 0).value_or(0), minute = taken(text, 2, 0).value_or(0),
               second = taken(text, 2, 0).value_or(0);
-    std::chrono::year_month_day const date{std::chrono::year(year), std::chrono::month(unsigned(month)),
-                                           std::chrono::day(unsigned(day))};
-    if (year < 1900 || year > 2100 || !date.ok() || hour > 24 || minute > 59 || second > 61) return {};
-    return 86400.0 * double(std::chrono::sys_days(date).time_since_epoch().count()) + 3600.0 * hour + 60.0 * minute +
-           second;
+    auto const start = start_of_day(year, month, day);
+    if (year < 1900 || year > 2100 || !start || hour > 24 || minute > 59 || second > 61) return {};
+    return *start + 3600.0 * hour + 60.0 * minute + second;
 }
 
 /// The rows that have a time by their times; of equal ones in the order of the file.
