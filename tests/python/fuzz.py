@@ -1,6 +1,6 @@
 """fuzz.py [CASES [SEED]]: random calls with random arguments.
 
-By hand under the address sanitizer, for a package that was built with it (the preset dev):
+By hand under the address sanitizer, for a package that was built with it (`./lab dev`):
 LD_PRELOAD="$(g++ -print-file-name=libasan.so) libstdc++.so.6" ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
 PYTHONPATH=build/dev/python /usr/bin/python3 -W ignore tests/python/fuzz.py
 
