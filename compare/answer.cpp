@@ -197,8 +197,7 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     out +=
         filter.guarded || !composition.guard.empty()
             ? "// each row: filter.update(psi, y); filter.signal() is what the guard saw, filter.counts() how often\n"
-            : "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not "
-              "rlslab::Health::sound\n";
+            : "// a row: step = filter.update(psi, y); use theta() if step.health is sound\n";
     return out;
 }
 

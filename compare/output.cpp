@@ -1,4 +1,4 @@
-// A comparison as a table for people, as JSON and CSV for programs. Long: three writings of the same numbers.
+// A comparison as JSON and CSV, for programs.
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"
@@ -6,8 +6,6 @@
 #include "compare/foretold.hpp"
 #include "compare/recommend.hpp"
 #include "compare/words.hpp"
-
-#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -37,25 +35,6 @@ Json spread_json(Spread const& s) {
     return {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}};
 }
 
-/// The columns of the table for which a terminal has room; 0: all.
-struct Layout {
-    bool low = true, high = true, asymmetry = true;
-    explicit Layout(size_t columns) {
-        for (bool* drop : {&asymmetry, &high, &low})
-            if (columns > 0 && width() > columns) *drop = false;
-    }
-    /// Of one measure: "  4.2  5.3  5.7 ".
-    size_t group() const { return 7 + (low ? 5u : 0u) + (high ? 5u : 0u); }
-    size_t width() const { return 24 + 3 * group() + 20 + (asymmetry ? 6u : 0u) + 13; }
-    std::string left_out() const {
-        return fmt::format("{}{}{}", low ? "" : "low, ", high ? "" : "high, ", asymmetry ? "" : "asym");
-    }
-    std::string cells(std::string_view l, std::string_view m, std::string_view h) const {
-        return (low ? fmt::format(" {:>5} {:>4}", l, m) : fmt::format(" {:>5}", m)) +
-               (high ? fmt::format(" {:>4} ", h) : " ");
-    }
-};
-
 Json prior_costs_json(Comparison const& c) {
     Json out = Json::array();
     for (PriorCost const& cost : c.prior_costs)
@@ -81,184 +60,6 @@ Json losses_json(Recommendation const& r) {
                        {"of", loss.of.empty() ? Json(nullptr) : Json(loss.of)}});
     return out;
 }
-
-std::string spread_text(std::optional<PerMeasure<Spread>> const& spread, Layout const& layout) {
-    std::string out;
-    for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? layout.cells(tenths(((*spread).*m).low), tenths(((*spread).*m).median),
-                                     tenths(((*spread).*m).high))
-                      : layout.cells("-", "-", "-");
-    return out;
-}
-std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.substr(0, x.size() - 2) + "  " : x; }
-
-/// A number's first digits: as many as go into `width` columns beside its exponent.
-std::string cut(std::string const& number, size_t width) {
-    size_t const exponent = std::min(number.rfind('e'), number.size()), tail = number.size() - exponent;
-    return number.size() <= width ? number : number.substr(0, width - std::min(tail, width)) + number.substr(exponent);
-}
-
-/// Both exact solutions, and in how many digits they agree.
-std::string theta_text(Comparison const& c, size_t width) {
-    constexpr size_t whole = 37, least = 14;
-    bool const plain = c.options.composition.empty();
-    size_t name = 11;
-    for (std::string const& one : c.names) name = std::max(name, one.size());
-    size_t const number = std::clamp((width - std::min(width, name + 9)) / 2, least, whole);
-    bool const wide = number == whole;
-    std::string out = fmt::format("{:<{}} {:>{}} {:>{}}  {}\n", "exact theta", name,
-                                  wide ? "least squares, without prior" : "least squares", number,
-                                  !wide   ? "with the prior"
-                                  : plain ? "with the prior: what filters are after"
-                                          : "with the prior, of all rows",
-                                  number, "agree");
-    for (size_t i = 0; i < c.names.size(); ++i)
-        out += fmt::format("{:<{}} {:>{}} {:>{}}  {:>5}\n", c.names[i], name,
-                           cut(plain_exponent(c.least_squares[i]), number), number,
-                           cut(plain_exponent(c.theta[i]), number), number, tenths(c.agreement[i]));
-    return out + (wide ? "" : "digits cut off, not rounded: --json has 30\n");
-}
-
-std::string indented(std::string const& text) {
-    std::string out;
-    for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
-        end = text.find('\n', begin);
-        out += (end > begin ? "    " : "") + text.substr(begin, end + 1 - begin);
-    }
-    return out;
-}
-
-/// Colours as in a terminal, or nothing.
-struct Paint {
-    bool on;
-    std::string operator()(char const* code, std::string const& text) const {
-        return on ? fmt::format("\033[{}m{}\033[0m", code, text) : text;
-    }
-};
-
-/// The regressors are a delay line: the fast forms, apart.
-std::string fast_text(Comparison const& c, Paint const& paint) {
-    std::string out;
-    std::string_view arithmetic;
-    for (FastResult const& r : c.fast) {
-        if (r.arithmetic != arithmetic) {
-            arithmetic = r.arithmetic;
-            out += '\n' + paint("1", fmt::format("fast forms in {}", arithmetic)) +
-                   paint("2", fmt::format("{:>{}}  {:<19}{:>6}", "prediction error", 47 - 14 - arithmetic.size(),
-                                          "breakdown", "ops")) +
-                   '\n';
-        }
-        std::string const broke =
-            r.breakdown ? fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step) : "none";
-        out += paint(r.breakdown ? "31" : "0",
-                     fmt::format("  {:<28}{:>17}  {:<19}{:>6}", r.form,
-                                 r.digits ? fmt::format("{:.1f}", *r.digits) : "-", broke, r.operations)) +
-               '\n';
-    }
-    return out;
-}
-
-}  // namespace
-
-std::string as_table(Comparison const& c, bool colour, size_t columns) {
-    Paint const paint{colour};
-    Layout const layout(columns);
-    size_t const width = line_width(columns, text_width);
-    bool const plain = c.options.composition.empty(), whole = layout.left_out().empty();
-    auto const head = [&](std::string const& name, std::string const& text) {
-        return fmt::format("{:<12}", name) + wrapped(text, 12, 12, width) + '\n';
-    };
-    std::string const condition = std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition);
-    std::string record = c.model.file.empty() ? "" : c.model.file + ": ";
-    record += fmt::format("{} rows, {} skipped", c.rows, c.skipped);
-    if (c.run && c.run->rows > 0 && c.run->rows < c.rows + c.skipped)
-        record += fmt::format(" (with those that --time put between the {} of the file)", c.run->rows);
-    std::string out = head("record", record + fmt::format("; {} parameter{}, condition {}, forgetting {}", c.size,
-                                                          c.size == 1 ? "" : "s", condition, c.options.forgetting));
-    out += head("prior", prior_text(c));
-    if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
-    for (std::string const& warning : warnings(c)) out += paint("31", head("warning", warning));
-    out += '\n';
-    if (c.digits) out += answer_text(*c.digits, colour, columns);
-    else out += paint("32", verdict(c, columns > 0 ? width : std::string::npos));
-    if (std::string const paste = code(c); !paste.empty() && !c.digits)
-        out += '\n' + indented(columns > 0 ? folded(paste, columns - 4) : paste);
-    out += '\n' + theta_text(c, columns > 0 ? columns : text_width);
-    out += fmt::format("proven to {:.0e} relative, for the data as binary64, at {} bits\n", c.radius, c.bits);
-
-    std::string_view arithmetic;
-    for (Result const& r : c.results) {
-        Arithmetic const& a = *r.entry->arithmetic;
-        if (a.name != arithmetic) {
-            arithmetic = a.name;
-            std::string const title = fmt::format("{} ({} bits, {:.1f} digits)", a.name, a.digits, a.decimal_digits());
-            size_t const group = layout.group(), at = 23 + group;  // where the first measure's name ends
-            out += '\n' + paint("1", title) + (whole ? "" : "\n") +
-                   paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta",
-                                          whole ? at - std::min<size_t>(at - 6, title.size()) : at,
-                                          whole ? "worst component" : "worst", group, "P", group)) +
-                   '\n';
-            for (RoundingEffect const& s : c.rounding)
-                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(rounding_text(s, c), 2, 4, width)) + '\n';
-            std::string labels;
-            for (int m = 0; m < 3; ++m) labels += layout.cells("low", "mid", "high");
-            out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown",
-                                          layout.asymmetry ? "  asym" : "", "ops", "ns")) +
-                   '\n';
-        }
-        bool const best = is_recommended(c, r);
-        std::string const line = fmt::format("{} {:<22}{} {:<19}{}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant,
-                                             spread_text(r.spread, layout), breakdown_text(r),
-                                             layout.asymmetry ? fmt::format("{:>6}", asymmetry_text(r.asymmetry)) : "",
-                                             operations_text(r.operations), nanoseconds_text(r.ns_per_update));
-        std::string what = plain ? "" : counts_text(c, r);
-        if (!what.empty())
-            what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width)
-                                                                          : "  " + what;
-        out += paint(best ? "32" : r.broken + r.others.broken ? "31" : "0", line + what) + '\n';
-        if (&r != &c.results.back() && (&r + 1)->entry->arithmetic == &a) continue;
-        std::vector<std::string> const others = other_orders_text(c, a.name);
-        for (size_t i = 0; i < others.size(); ++i)
-            out += paint(i == 0                       ? "1"
-                         : others[i].starts_with('*') ? "32"
-                                                      : "0",
-                         wrapped(others[i], 0, 4, width)) +
-                   '\n';
-    }
-    auto const note = [&](std::string const& text) { out += wrapped(text, 0, 0, width) + '\n'; };
-    out += fast_text(c, paint);
-    out += '\n';
-    if (!whole)
-        note(
-            fmt::format("Left out, for {} columns: {}. A terminal of {} columns shows them, so do | cat, --out DIR, "
-                        "--csv and --json.",
-                        columns, layout.left_out(), Layout(0).width()));
-    note(fmt::format(
-        "low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along "
-        "the record{}; {}",
-        plain ? ", over four draws of the roundings or more" : "",
-        plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
-              : "for the data as stored, at most the arithmetic's own. A row ends with what "
-                "the composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
-    note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite." +
-         foretold_text(c));
-    note("ops, ns: operations and nanoseconds a row, with theta. qr_block and the sparse forms take blocks of rows.");
-    if (!c.fast.empty())
-        note(
-            "Fast forms (docs/fast.md) hold neither P nor R. Digits of the prediction error against the certified "
-            "theta of the rows before it; their line starts with zeros.");
-    if (c.digits) note("The table is for the prior in the head. The answer (*) has a prior and a scaling of its own.");
-    note(
-        fmt::format("The recommendation is for the record's order. It never broke down and keeps {} digits of the "
-                    "worst component at nine tenths of the checkpoints. Of such whose low is within half a digit of "
-                    "all others', its largest loss is the least: in mid, to the best of each column that never broke "
-                    "down. Of equals: a factor before P or its inverse, covariance before information, then the fewest "
-                    "operations.",
-                    wanted_digits(c.options)));
-    return out;
-}
-
-namespace {
 
 Json composition_json(Comparison const& c) {
     Composition const& of = c.options.composition;

@@ -254,9 +254,8 @@ std::string tables(Comparison const& c) {
         if (c.options.timings) head.emplace_back("ns");
         if (!c.options.composition.empty()) head.emplace_back("what the composition did");
         out += table_html(head, rows, best);
-        if (std::vector<std::string> const others = other_orders_text(c, a.name); !others.empty())
-            out += fmt::format("<h4>{}</h4>\n", escaped(others.front())) +
-                   pre(fmt::format("{}\n", fmt::join(others.begin() + 1, others.end(), "\n")));
+        if (std::string const others = other_orders_text(c, a.name); !others.empty())
+            out += fmt::format("<p>{}</p>\n", escaped(others));
     });
     return out;
 }

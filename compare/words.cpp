@@ -62,7 +62,7 @@ std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
 
 std::string foretold_text(Comparison const& c) {
     if (std::ranges::none_of(c.results, [](Result const& r) { return r.foretold.has_value(); })) return "";
-    return " about row N: sound on this record, but if such rows go on, the stored P is indefinite at about that row: "
+    return "About row N: sound on this record, but if such rows go on, the stored P is indefinite at about that row: "
            "its asymmetry grows by 1/lambda at each (docs/theory.md 37).";
 }
 
@@ -79,31 +79,31 @@ bool is_another_in_other_orders(Result const& r) {
 
 }  // namespace
 
-std::vector<std::string> other_orders_text(Comparison const& c, std::string_view arithmetic) {
-    std::vector<std::string> out;
-    size_t alike = 0;
-    for (Result const& r : c.results) {
-        if (r.entry->arithmetic->name != arithmetic || r.others.runs == 0) continue;
-        if (out.empty()) out.push_back(fmt::format("{} other orders of the rows, {}", r.others.runs, arithmetic));
-        if (!is_another_in_other_orders(r) && !is_recommended(c, r)) {
-            ++alike;
-            continue;
+std::string other_orders_text(Comparison const& c, std::string_view arithmetic) {
+    std::string out;
+    bool any = false;
+    for (bool const named : {true, false})
+        for (Result const& r : c.results) {
+            if (r.entry->arithmetic->name != arithmetic || r.others.runs == 0 || named != is_recommended(c, r))
+                continue;
+            any = true;
+            if (!named && !(is_shown(c, r.entry->variant) && is_another_in_other_orders(r))) continue;
+            std::optional<PerMeasure<Spread>> const& kept = r.others.spread;
+            out += fmt::format("{}{} {}", out.empty() ? "" : ", ", r.entry->variant,
+                               kept ? tenths(kept->theta.median) : "-");
+            if (r.others.broken > 0) out += fmt::format(" (broke down in {})", r.others.broken);
         }
-        auto const kept = [&](Spread const& s) {
-            return fmt::format("{} ({} to {})", tenths(s.median), tenths(s.low), tenths(s.high));
-        };
-        std::string const broke =
-            r.others.broken > 0 ? fmt::format(", broke down in {} of {}", r.others.broken, r.others.runs) : "";
-        out.push_back(fmt::format("{} {:<23}", is_recommended(c, r) ? '*' : ' ', r.entry->variant) +
-                      (r.others.spread ? fmt::format("theta {}, worst {}, P {}", kept(r.others.spread->theta),
-                                                     kept(r.others.spread->worst), kept(r.others.spread->covariance))
-                                       : "no exact solution") +
-                      broke);
-    }
-    if (alike > 0)
-        out.push_back(fmt::format("  {} other{}: low and mid within half a digit of those in the record's order", alike,
-                                  alike == 1 ? "" : "s"));
-    return out;
+    if (!any) return "";
+    return fmt::format("reordered, {}: {}", arithmetic, out.empty() ? "as in this" : out);
+}
+
+bool is_shown(Comparison const& c, std::string_view variant) {
+    constexpr std::string_view to_use[] = {"conventional", "symmetric", "joseph_rank_two", "potter",
+                                           "carlson",      "ud",        "ud_delta",        "inverse_qr",
+                                           "qr",           "gentleman", "qr_block"};
+    if (!c.options.variants.empty() || std::ranges::find(to_use, variant) != std::end(to_use)) return true;
+    return std::ranges::any_of(c.results,
+                               [&](Result const& r) { return r.entry->variant == variant && is_recommended(c, r); });
 }
 
 std::string recommended_in(Comparison const& c, std::string_view arithmetic) {
@@ -122,22 +122,17 @@ bool is_recommended(Comparison const& c, Result const& result) {
 }
 
 std::string prior_text(Comparison const& c) {
-    std::string out = "theta0 = 0, P0 = ";
+    std::string out = "P0 = ";
     if (c.scaled_prior) {
         auto const [least, largest] = std::minmax_element(c.scaled_prior->s.begin(), c.scaled_prior->s.end());
-        out += fmt::format(
-            "diag((c / s_i)^2), c = {}, s_i = {} to {}: root mean squares of the regressors, rounded to powers of "
-            "two; ",
-            c.scaled_prior->c, *least, *largest);
+        out += fmt::format("diag(({} / s_i)^2), s_i = {} to {}, the regressors' sizes; ", c.scaled_prior->c, *least,
+                           *largest);
     } else {
-        out += fmt::format("{} I: ", *c.options.p0);
+        out += fmt::format("{} I; ", *c.options.p0);
     }
-    out += fmt::format("moves theta{} by {:.1e} of itself, its worst component by {:.1e}",
+    out += fmt::format("moves theta{} by {:.1e} of itself, a component by {:.1e}",
                        c.options.composition.empty() ? "" : ", of all rows without the composition,", c.prior_bias,
                        c.component_bias);
-    if (c.scaled_prior && c.scaled_prior->reached)
-        out += fmt::format(" (c is the least power of two from 32 on that leaves at most 1e-3 and 1e-2{})",
-                           c.options.forgetting == 1 ? "" : ", at this lambda and at 1");
     return out;
 }
 

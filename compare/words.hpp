@@ -33,10 +33,12 @@ std::string rounding_text(RoundingEffect const& effect, Comparison const& compar
 /// What "about row 11000" means; "" where nothing is foretold.
 std::string foretold_text(Comparison const& comparison);
 
-/// What three other orders of the rows leave, in this arithmetic: a heading; the named form; those that broke down
-/// there, or whose `low` or `mid` is more than half a digit from that in the record's order; one line for the others.
-/// Empty where there is one order.
-std::vector<std::string> other_orders_text(Comparison const& comparison, std::string_view arithmetic);
+/// Digits of theta in three other orders of the rows, in this arithmetic: of the named form, and of those shown whose
+/// `low` or `mid` of anything is more than half a digit from that in the record's order. "": there is one order.
+std::string other_orders_text(Comparison const& comparison, std::string_view arithmetic);
+
+/// Whether text shows the variant: one of the ten to use, `conventional`, one that is named, or asked for.
+bool is_shown(Comparison const& comparison, std::string_view variant);
 
 /// The variant to use in this arithmetic, or "": the recommendation, or what keeps the digits that are wanted.
 std::string recommended_in(Comparison const& comparison, std::string_view arithmetic);

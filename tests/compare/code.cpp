@@ -205,8 +205,7 @@ TEST(Code, TheModelStandsAboveTheFilter) {
               "// the columns as the filter takes them: (u less 0.5, y less -2.25)\n"
               "rlslab::InverseQr<float, 3> filter({.size = 3, .forgetting = 0.98, .prior = "
               "rlslab::Prior<float>{.variance = 4.0}});\n"
-              "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not "
-              "rlslab::Health::sound\n");
+              "// a row: step = filter.update(psi, y); use theta() if step.health is sound\n");
     EXPECT_EQ(verdict(c),
               "in float  use inverse_qr  keeps 6.0 digits of theta (5.0 to 7.0), 5.0 of its worst component, 6.0 of P; "
               "10 operations\n");
