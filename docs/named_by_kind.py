@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The tables of "How often is it right?" in docs/compare.md, from the table that study everyday_problems or study
-random_problems leaves.
+"""The tables of "How often is `compare` right?" in docs/questions.md, from the table that study everyday_problems or
+study random_problems leaves.
 
 docs/named_by_kind.py out/everyday_problems.csv [MORE.csv ...]
 """

@@ -28,6 +28,7 @@ def sources():
     of = pages.Shared()
     out = {"api/types.md": type_tables.made()}
     out |= {str(p.relative_to(root)): p.read_text() for p in ours}
+    out["commands.md"] = (here / "commands.md").read_text()    # as recorded.py wrote it
     out |= {f"variants/{h.name}.md": pages.variant_page(h, of) for h in of.headers}
     out |= {f"studies/{s['name']}.md": pages.study_page(s, of.links) for s in of.studies}
     out |= {"variants/index.md": pages.variant_index(of), "studies/index.md": pages.study_index(of)}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the site has of the program: docs/commands.md, its help, and site/terminal.svg, a run of it in a terminal.
+"""What the site has of the program: site/commands.md, its help, and site/terminal.svg, a run of it in a terminal.
 
 recorded.py PROGRAM          writes them
 recorded.py PROGRAM --check  says which of them differ
@@ -111,7 +111,7 @@ def commands(program):
 
 if __name__ == "__main__":
     program = str(pathlib.Path(sys.argv[1]).resolve())
-    made = {"docs/commands.md": commands(program), "site/terminal.svg": terminal(program)}
+    made = {"site/commands.md": commands(program), "site/terminal.svg": terminal(program)}
     wrong = [f"{path}: not what site/recorded.py writes" for path, text in made.items()
              if not (root / path).exists() or (root / path).read_text() != text]
     if sys.argv[2:] == ["--check"]:

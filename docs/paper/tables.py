@@ -187,12 +187,8 @@ def record(name):
 
 
 # Words that a claim takes from another than the last that can be understood alone.
-meant = {("steady_state", 2): "forms that correct theta", ("survey", 9): "symmetric",
-         ("random_problems", 6): "it loses at most half a digit",
-         ("random_problems", 14): "what compare names is within half a digit more often",
-         ("rounding_draws", 2): "within half a digit", ("fused", 4): "as if each datum had a relative error of c u",
-         ("fused", 8): "fused products", ("scaling", 7): "mind large rows that come last",
-         ("joint_normality", 5): "normal"}
+meant = {("survey", 9): "symmetric", ("random_problems", 6): "it loses at most half a digit",
+         ("random_problems", 14): "what compare names is within half a digit more often"}
 
 
 def leans_on(study, texts, n):
