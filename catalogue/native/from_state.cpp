@@ -124,7 +124,7 @@ Saved saved(std::span<std::byte const> state) {
         refuse("the state is damaged");
     out.options.size = Index(header.parameters);
 
-    auto const entries = entries_in(header, state);
+    auto const entries = entries_in(state);
     Reader reader(out, state.size());
     for (std::size_t at = 4; at < entries.size(); at += StateEntry::size)
         reader.take(StateEntry::read(entries.data() + at));
