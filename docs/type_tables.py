@@ -23,7 +23,7 @@ sections = [
     ("Other layers", [("src/rlslab/adapt/weighted.hpp", "Weighted"), ("src/rlslab/adapt/whitened.hpp", "Whitened"),
                       ("src/rlslab/adapt/outputs.hpp",
                        "MultiOutput MissingOutput"), ("src/rlslab/adapt/assessed.hpp",
-                       "Assessed AssessedOptions Interval"), ("src/rlslab/adapt/hand_over.hpp", "Relay RelayOptions"),
+                       "Assessed AssessedOptions Interval"),
                       ("src/rlslab/adapt/delay_line.hpp", "DelayLine"),
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
     ("Coloured noise", [("src/rlslab/adapt/extended_least_squares.hpp", "ExtendedLeastSquares"),

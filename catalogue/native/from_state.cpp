@@ -48,8 +48,7 @@ class Reader {
             out_.control_numbers.assign(control_->parameters.size(), Options::unset);
         } else if (name == "fleet") {
             refuse("the state is of a fleet: one of as many filters of that size takes it (restore, load)");
-        } else if (name != "guard" && name != "window" && name != "relay" &&
-                   std::ranges::find(variants(), name) == variants().end()) {
+        } else if (name != "guard" && name != "window" && std::ranges::find(variants(), name) == variants().end()) {
             refuse("the state is one of \"" + printable(name) + "\" around " + std::string(out_.variant) +
                    ", which no filter by name has");
         }

@@ -1,4 +1,4 @@
-// Windows, guards, rules and relays: what was loaded goes on bit for bit as what was saved; what is damaged is refused.
+// Windows, guards and rules: what was loaded goes on bit for bit as what was saved; what is damaged is refused.
 #include <rlslab/state/state.hpp>
 
 #include "tests/adapt/adapt.hpp"
@@ -7,7 +7,6 @@
 #include <rlslab/many/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/gentleman.hpp>
@@ -94,8 +93,6 @@ void check(char const* what) {
     F g = Made<F>::other();
     EXPECT_NE(load(g, bytes_of(bare)), StateFault::none) << what;
 }
-template <class F>
-using Handing = Guarded<Relay<F, Ud<double, 3>>, handing_over>;
 
 TEST(State, OfAWindowContinuesBitForBit) {
     check<Windowed<Ud<float, 3>>>("ud");
@@ -107,8 +104,6 @@ TEST(State, OfAGuardContinuesBitForBit) {
     check<Guarded<Qr<double, 3>, rebuilding>>("rebuilding");
     check<Guarded<Symmetric<double>, reporting>>("reporting");
     check<Guarded<Windowed<Ud<double, 3>>>>("a window");
-    check<Handing<Symmetric<float, 3>>>("a relay");
-    check<Relay<Symmetric<float, 3>, Qr<double, 3>>>("bare relay");
 }
 TEST(State, OfARuleContinuesBitForBit) {
     using F = Ud<double, 3>;
@@ -148,8 +143,6 @@ TEST(State, NamesRulesPoliciesAndOptions) {
     EXPECT_EQ(crossed(Weighted<F>(p), Assessed<F>(p)), StateFault::layout);
     EXPECT_EQ(crossed(Assessed<F>(p), Assessed<F>(p, {.noise_memory = 7})), StateFault::options);
     EXPECT_EQ(crossed(MultiOutput<F>(p, 2), MultiOutput<F>(p, 2, MissingOutput::stands)), StateFault::options);
-    EXPECT_EQ(crossed(Relay<Symmetric<double>, F>(p), Relay<Symmetric<double>, F>(p, {.bits = 9})),
-              StateFault::options);
 }
 /// A variant whose bits have changed.
 struct NextUd : Ud<double, 3> {
@@ -225,7 +218,6 @@ TEST(StateSaboteur, AListThatForgetsAMemberOfWhatIsAroundIsCaught) {
     check_missed<Guarded<Ud<float, 3>>, 0, 3, 4, 5, 6, 7, 8, 9, 10>("guard");
     check_missed<Guarded<Qr<double, 3>, rebuilding>, 0>("rebuilding guard");
     check_missed<Forgetting<Ud<double, 3>, RotatingRidge<double>>, 0, 1, 2, 3>("ridge");
-    check_missed<Relay<Symmetric<float, 3>, Ud<double, 3>>, 0, 2>("relay");
 }
 
 /// Each bit flipped, each length, each byte gone or twice.
@@ -259,7 +251,6 @@ TEST(State, OfWhatIsAroundIsRefusedWhereDamaged) {
     EXPECT_EQ((accepted<Windowed<Ud<float, 3>>>()), 0);
     EXPECT_EQ((accepted<Guarded<Ud<float, 3>>>()), 0);
     EXPECT_EQ((accepted<Forgetting<Ud<double, 3>, Fortescue<double>>>()), 0);
-    EXPECT_EQ((accepted<Relay<Symmetric<float, 3>, Ud<double, 3>>>()), 0);
 }
 /// With another number at a place, and the checksum made right.
 Bytes forged(Bytes bytes, size_t at, std::uint64_t number) {

@@ -29,7 +29,7 @@ std::string layers(std::vector<StateEntry> const& entries) {
 }
 /// A policy's number as its action.
 std::string value_of(StateEntry const& entry) {
-    constexpr std::string_view actions[] = {"report", "skip", "cap", "reset", "rebuild", "hand_over"};
+    constexpr std::string_view actions[] = {"report", "skip", "cap", "reset", "rebuild"};
     if (name_of(entry).starts_with("on_") && 0 <= entry.value && entry.value < double(std::size(actions)))
         return std::string(actions[std::size_t(entry.value)]);
     float const single = float(entry.value);  // the shortest text of a number of float, too
