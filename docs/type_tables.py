@@ -20,7 +20,7 @@ sections = [
     ("A window", [("src/rlslab/adapt/window.hpp", "Windowed WindowOptions")]),
     ("Rules of forgetting", [("src/rlslab/adapt/forgetting.hpp", "Forgetting ConstantForgetting Fortescue Kulhavy "
                               "CaoSchwartz RotatingRidge CovarianceReset RandomWalk")]),
-    ("Other layers", [("src/rlslab/adapt/weighted.hpp", "Weighted"), ("src/rlslab/adapt/whitened.hpp", "Whitened"),
+    ("Other layers", [("src/rlslab/adapt/weighted.hpp", "Weighted"),
                       ("src/rlslab/adapt/outputs.hpp",
                        "MultiOutput MissingOutput"), ("src/rlslab/adapt/assessed.hpp",
                        "Assessed AssessedOptions Interval"),

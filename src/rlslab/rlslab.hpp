@@ -8,7 +8,6 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/adapt/whitened.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/rounding.hpp>
