@@ -113,7 +113,7 @@ rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, std:
     if (!filter || !out) return null_among({{"filter", filter}, {"out", out}});
     if (bytes != sizeof *out) return failed(RLSLAB_INVALID, "counts of %zu bytes, not %zu", bytes, sizeof *out);
     native::Counts const c = of(filter).counts();
-    *out = {c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns, c.refactored, c.since, c.handed_over};
+    *out = {c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns, c.refactored, c.since, 0};
     return RLSLAB_OK;
 }
 

@@ -86,8 +86,8 @@ size_t rlslab_size(rlslab_filter const* filter);             // d; 0 of null
 char const* rlslab_variant(rlslab_filter const* filter);     // null of null
 char const* rlslab_arithmetic(rlslab_filter const* filter);  // null of null
 
-// One row: psi has d numbers. step: or null. Numbers of the other arithmetic are rounded once. Allocates nothing, but
-// where a guard hands over. Without a guard one number that is not finite spoils the filter for good.
+// One row: psi has d numbers. step: or null. Numbers of the other arithmetic are rounded once. Allocates nothing.
+// Without a guard one number that is not finite spoils the filter for good.
 rlslab_status rlslab_update(rlslab_filter* filter, double const* psi, double y, rlslab_step* step);
 rlslab_status rlslab_update_f32(rlslab_filter* filter, float const* psi, float y, rlslab_step* step);
 // Many rows, the oldest first: row k starts at psi + k * stride, stride >= d (0: d). steps: room for all, or null:
@@ -113,7 +113,7 @@ typedef struct rlslab_counts {
     int64_t rows;                                              // since it was made, reset or loaded
     int64_t unusable, outliers, changes, windups, breakdowns;  // of the guard; these survive a load
     int64_t refactored, since;                                 // times that the window was factored; rows since then
-    int64_t handed_over;                                       // 1: to the sounder variant
+    int64_t handed_over;                                       // always 0
 } rlslab_counts;
 rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, size_t bytes);
 

@@ -23,10 +23,9 @@ public:
 /// The arithmetics in which compositions exist besides "reference" (257 bits).
 std::vector<std::string_view> const& composed_arithmetics();
 /// The composition around the variant in one of these, or in "reference"; null for another arithmetic, or where there
-/// is an obstacle. The guard hands over to ud in double from float, in 113 bits from double; in 257 bits there is
-/// nothing sounder, and it resets. Numbers are rounded to the arithmetic. Throws std::invalid_argument where they are
-/// then no options (a variance that is 0 or infinite there), where the control has fewer or more numbers, for a window
-/// of fewer than 0 rows, and for a guard of another name.
+/// is an obstacle. Numbers are rounded to the arithmetic. Throws std::invalid_argument where they are then no options
+/// (a variance that is 0 or infinite there), where the control has fewer or more numbers, for a window of fewer than 0
+/// rows, and for a guard of another name.
 std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant,
                                          std::string_view arithmetic, Problem<double> const& problem);
 

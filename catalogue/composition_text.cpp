@@ -33,7 +33,6 @@ std::string counts_text(CompositionCounts const& h) {
     if (h.changes > 0) out.push_back(times(h.changes, "change", "changes"));
     if (h.windups > 0) out.push_back(fmt::format("windup in {}", times(h.windups, "row", "rows")));
     if (h.breakdowns > 0) out.push_back(times(h.breakdowns, "breakdown met", "breakdowns met"));
-    if (h.handed_over) out.emplace_back("handed over");
     return fmt::format("{}", fmt::join(out, ", "));
 }
 

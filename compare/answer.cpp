@@ -156,7 +156,7 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     if (known == hardware.end()) return "";
     std::string const T = known->second;
     Composition const& composition = c.options.composition;
-    std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition, T);
+    std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition);
     std::string const variant = fmt::format("#include <rlslab/variants/{}.hpp>\n", filter.variant);
     out += (out.find(variant) == out.npos ? variant : "") + "\n";
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output),

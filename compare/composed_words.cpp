@@ -54,12 +54,10 @@ std::vector<std::string> composition_warnings(Comparison const& c) {
     return out;
 }
 
-std::string composition_includes(Composition const& c, std::string const& scalar) {
+std::string composition_includes(Composition const& c) {
     std::vector<std::string_view> headers;
     if (!c.keeps_the_problem()) headers.push_back(control_named(c.control).header);
     if (!c.guard.empty()) headers.emplace_back("adapt/guard");
-    if (c.policy().hands_over()) headers.insert(headers.end(), {"adapt/hand_over", "variants/ud"});
-    if (c.policy().hands_over() && scalar == "double") headers.emplace_back("arithmetic/quad");
     if (c.window > 0) headers.emplace_back("adapt/window");
     std::string out;
     for (std::string_view const header : headers) out += fmt::format("#include <rlslab/{}.hpp>\n", header);
@@ -72,11 +70,6 @@ std::string composition_code(Composition const& c, std::string const& type, std:
         return fmt::format("{} filter(problem, rlslab::Matrix<{}>::Identity({}, {}) * {}({:#}));\n", type, scalar, size,
                            size, scalar, c.parameters[0]);
     std::string inner = type, arguments = "problem";
-    if (c.policy().hands_over()) {
-        size_t const comma = type.find(',');  // before the fixed size
-        inner = fmt::format("rlslab::Relay<{}, rlslab::Ud<{}{}>", type, scalar == "float" ? "double" : "rlslab::Quad",
-                            comma == std::string::npos ? ">" : type.substr(comma));
-    }
     if (c.window > 0) {
         inner = fmt::format("rlslab::Windowed<{}>", type);
         arguments += fmt::format(", {{.rows = {}}}", c.window);

@@ -16,7 +16,7 @@ std::string counts_text(Comparison const& comparison, Result const& result);
 std::vector<std::string> composition_warnings(Comparison const& comparison);
 
 /// The headers of <rlslab/adapt/...> that the composition needs, a line each.
-std::string composition_includes(Composition const& composition, std::string const& scalar);
+std::string composition_includes(Composition const& composition);
 /// The definition of `filter` around the type, which stands as text, of problem, which is defined above it.
 std::string composition_code(Composition const& composition, std::string const& type, std::string const& variant,
                              std::string const& scalar, Index size);

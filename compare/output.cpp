@@ -86,8 +86,6 @@ Json happened_json(Result const& r) {
         out[name] = Json::array();
         for (CompositionCounts const& h : r.happened) out[name].push_back(h.*count);
     }
-    out["handed_over"] = Json::array();
-    for (CompositionCounts const& h : r.happened) out["handed_over"].push_back(h.handed_over);
     return out;
 }
 
@@ -216,7 +214,6 @@ std::string as_csv(Comparison const& c) {
     if (!plain) {
         out += ",obstacle,certified_to";
         for (auto const& [name, count] : counted) out += fmt::format(",{}", name);
-        out += ",handed_over";
     }
     out += '\n';
     auto const cell = [](Json const& value) { return value.is_null() ? std::string() : value.dump(); };
@@ -241,7 +238,6 @@ std::string as_csv(Comparison const& c) {
             CompositionCounts const last = r.happened.empty() ? CompositionCounts{} : r.happened.back();
             out += fmt::format(",{},{}", r.obstacle.empty() ? "" : fmt::format("\"{}\"", r.obstacle), r.certified_to);
             for (auto const& [name, count] : counted) out += fmt::format(",{}", last.*count);
-            out += fmt::format(",{}", last.handed_over ? 1 : 0);
         }
         out += '\n';
     }

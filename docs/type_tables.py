@@ -20,10 +20,10 @@ sections = [
     ("A window", [("src/rlslab/adapt/window.hpp", "Windowed WindowOptions")]),
     ("Rules of forgetting", [("src/rlslab/adapt/forgetting.hpp", "Forgetting ConstantForgetting Fortescue Kulhavy "
                               "CaoSchwartz RotatingRidge CovarianceReset RandomWalk")]),
-    ("Other layers", [("src/rlslab/adapt/weighted.hpp", "Weighted"), ("src/rlslab/adapt/whitened.hpp", "Whitened"),
+    ("Other layers", [("src/rlslab/adapt/weighted.hpp", "Weighted"),
                       ("src/rlslab/adapt/outputs.hpp",
                        "MultiOutput MissingOutput"), ("src/rlslab/adapt/assessed.hpp",
-                       "Assessed AssessedOptions Interval"), ("src/rlslab/adapt/hand_over.hpp", "Relay RelayOptions"),
+                       "Assessed AssessedOptions Interval"),
                       ("src/rlslab/adapt/delay_line.hpp", "DelayLine"),
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
     ("Coloured noise", [("src/rlslab/adapt/extended_least_squares.hpp", "ExtendedLeastSquares"),

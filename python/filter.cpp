@@ -246,7 +246,7 @@ PyObject* counts_of(PyObject* self, void*) {
         if (!out) return nullptr;
         Py_ssize_t i = 0;
         for (std::int64_t const n :
-             {c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns, c.refactored, c.since, c.handed_over})
+             {c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns, c.refactored, c.since})
             PyStructSequence_SetItem(out, i++, PyLong_FromLongLong(n));
         return out;
     });
@@ -340,7 +340,7 @@ PyGetSetDef members[] = {
     {"signal", signal, nullptr, "What the guard saw of the last row, one of `rlslab.SIGNALS`.", nullptr},
     {"counts", counts_of, nullptr,
      "What happened so far, a `Counts`: rows; as a guard counts them unusable, "
-     "outliers, changes, windups, breakdowns; of a window refactored and since; handed_over.",
+     "outliers, changes, windups, breakdowns; of a window refactored and since.",
      nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr}};
 PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},
@@ -391,9 +391,8 @@ PyObject* counts_type() {
                                               {"breakdowns", "times that P was not positive definite"},
                                               {"refactored", "times that the window's rows were factored anew"},
                                               {"since", "rows since then, or since the start"},
-                                              {"handed_over", "1: to the sounder variant"},
                                               {nullptr, nullptr}};
-    PyObject* const out = tuple_type("rlslab.Counts", "What happened to a filter so far.", fields, 9);
+    PyObject* const out = tuple_type("rlslab.Counts", "What happened to a filter so far.", fields, 8);
     counts = reinterpret_cast<PyTypeObject*>(out);
     return out;
 }

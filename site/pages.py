@@ -175,7 +175,7 @@ def code_of(header):
 dies = {
     ("covariance", "plain"): "$P$ itself is stored, and rounding can make it indefinite. `health` is `indefinite` at "
     "each row whose $\\gamma$ lies outside $[0, 1]$. A row meets $P$ along its $\\psi$ only, so that $P$ may have been "
-    "indefinite for a while. A [guard](../docs/library.md#around-a-filter) around it resets $P$, or hands over.",
+    "indefinite for a while. A [guard](../docs/library.md#around-a-filter) around it resets $P$.",
     ("covariance", "factor"): "A factor of $P$ is stored: $P$ stays positive definite while nothing overflows or "
     "underflows (docs/theory.md 34).",
     ("covariance", "full root"): "A full root of $P$ is stored: $P$ stays semidefinite, but under a large prior "

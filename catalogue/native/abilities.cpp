@@ -11,7 +11,6 @@ VariantAbilities abilities_of(std::string_view variant) {
     for_each(Variants<double>{}, [&]<class F>() {
         if (F::name != variant) return;
         out.single_rows = !TakesBlocks<F>;
-        out.relays = ReportsLeastShare<F> && Downdates<F>;
         out.walks = std::constructible_from<F, Problem<double>, Matrix<double>>;
         out.abilities = abilities_by_type<F>;
         for_each(Rules<double>{}, [&]<class Rule>() {

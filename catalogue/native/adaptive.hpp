@@ -6,7 +6,6 @@
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
 #include <rlslab/state/state.hpp>
 
 #include <memory>
@@ -51,8 +50,7 @@ Matrix<typename F::scalar> reported_matrix(F const& f) {
     if constexpr (ReportsCovariance<F>) return f.covariance();
     else if constexpr (ReportsInformation<F>) return f.information();
     else if constexpr (requires { f.matrix(); }) return f.matrix();
-    else if constexpr (requires { f.filter(); }) return reported_matrix(f.filter());
-    else return f.handed_over() ? multiplied_out(f.stored()) : reported_matrix(f.first());
+    else return reported_matrix(f.filter());
 }
 }  // namespace detail
 
@@ -94,7 +92,6 @@ public:
         virtual T information_along(Regressor<T> psi) = 0;
         virtual T watched_variance(Index j) = 0;
         virtual bool symmetric_within(T const& share, Index i, Index j) = 0;
-        virtual bool hand_over() = 0;
         virtual T const* root_lambda() = 0;
         virtual Index window_rows() const = 0;
         virtual bool follows_a_rule() const = 0;
@@ -142,7 +139,6 @@ public:
     Matrix<T> matrix() const { return filter_->matrix(); }  ///< P, or P^-1: as stored() has it
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->abilities(); }
-    bool hand_over() { return filter_->hand_over(); }
     T const* root_lambda() { return filter_->root_lambda(); }  ///< of the form; null where it holds none
 
     /// What Assessed asks for.
@@ -293,10 +289,6 @@ struct AnyAdaptive<T>::Around final : Interface {
         if constexpr (requires { symmetric_within(f, share, i, j); }) return symmetric_within(f, share, i, j);
         else return true;
     }
-    bool hand_over() override {
-        if constexpr (HandsOver<F>) return f.hand_over();
-        else return false;
-    }
     T const* root_lambda() override { return detail::root_lambda_of(f); }
     Index window_rows() const override { return detail::window_rows(f); }
     bool follows_a_rule() const override { return detail::has_a_rule(f); }
@@ -311,7 +303,6 @@ struct AnyAdaptive<T>::Around final : Interface {
             out.unusable = n.unusable, out.outliers = n.outliers, out.changes = n.changes, out.windups = n.windups;
             out.breakdowns = n.breakdowns;
         }
-        if constexpr (requires { f.handed_over(); }) out.handed_over = f.handed_over();
         return out;
     }
     GuardSignal signal() const override {

@@ -23,8 +23,6 @@ namespace native {
 template <>
 std::unique_ptr<Filter> composed(Composition const& composition, GuardOptions<double> const& guard_options,
                                  std::string_view variant, Problem<T> const& problem) {
-    if constexpr (!requires { typename detail::SounderThan<T>::type; })
-        expects(!composition.policy().hands_over(), "a guard that does not hand over: nothing here is sounder");
     return std::make_unique<FilterOf<AnyAdaptive<T>>>(
         [=, name = std::string(variant)] { return composed_around<T>(composition, guard_options, name, problem); });
 }

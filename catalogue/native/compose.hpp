@@ -6,8 +6,7 @@
 namespace rlslab {
 
 /// The composition around the variant, numbers rounded to T. Throws std::invalid_argument where they are then no
-/// options: a variance that is 0 or infinite there. There is no contradiction and no obstacle. The guard hands over to
-/// ud in double from float, in 113 bits from double.
+/// options: a variance that is 0 or infinite there. There is no contradiction and no obstacle.
 template <Real T>
 AnyAdaptive<T> composed_around(Composition const& composition, GuardOptions<double> const& guard_options,
                                std::string_view variant, Problem<T> const& problem);
@@ -19,11 +18,11 @@ template <>
 AnyAdaptive<double> composed_around(Composition const&, GuardOptions<double> const&, std::string_view,
                                     Problem<double> const&);
 
-/// What a variant can do, in double; `relays`: it knows how near to singular its P is, and can hand over.
+/// What a variant can do, in double.
 struct VariantAbilities {
     Abilities abilities;
     bool single_rows = false;                  ///< exists where compositions do, and takes single rows
-    bool relays = false, walks = false;        ///< walks: has a Q of its own
+    bool walks = false;                        ///< has a Q of its own
     std::vector<std::string_view> rules = {};  ///< of forgetting that it can follow
 };
 VariantAbilities abilities_of(std::string_view variant);

@@ -4,7 +4,6 @@
 #include <rlslab/catalogue/native/compose.hpp>
 
 #include <rlslab/adapt/rules.hpp>
-#include <rlslab/arithmetic/binary128.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::detail {
@@ -50,34 +49,6 @@ struct Walking {
         return sum;
     }
 };
-
-/// What a filter hands over to, where there is something.
-template <class From>
-struct SounderThan;
-template <>
-struct SounderThan<float> {
-    using type = Ud<double>;
-};
-#ifdef RLSLAB_BINARY128
-template <>
-struct SounderThan<double> {
-    using type = Ud<Binary128>;
-};
-#endif
-
-/// The variant by itself, or with the sounder one that it can hand over to.
-template <Real T>
-AnyAdaptive<T> innermost(Composition const& c, std::string_view variant, Problem<T> const& problem) {
-    std::optional<AnyAdaptive<T>> out;
-    if (c.policy().hands_over())
-        for_each(Variants<T>{}, [&]<class F>() {
-            if constexpr (ReportsLeastShare<F> && Downdates<F> &&
-                          requires { typename SounderThan<typename F::scalar>::type; })
-                if (F::name == variant)
-                    out = AnyAdaptive<T>::around(Relay<F, typename SounderThan<typename F::scalar>::type>(problem));
-        });
-    return out ? *out : AnyAdaptive<T>(problem, variant);
-}
 
 /// The rule with these numbers, in the order of its own that have a name on the command line.
 template <class T, class Rule>
@@ -135,7 +106,7 @@ AnyAdaptive<T> composition_around(Composition const& c, GuardOptions<double> con
         if (control_named(c.control).parameters.at(i).range.inverted)
             expects(is_finite(T(T(1) / T(c.parameters[i]))), in_range);
     if (is_its_own_rule(c, variant)) return AnyAdaptive<T>::around(Walking<T>(problem, T(c.parameters.at(0))));
-    AnyAdaptive<T> filter = innermost(c, variant, problem);
+    AnyAdaptive<T> filter(problem, variant);
     if (c.window > 0)
         filter = AnyAdaptive<T>::around(Windowed<AnyAdaptive<T>>(filter, problem.forgetting, {.rows = c.window}));
     return with_guard(c, guard_options, with_control(c, filter, problem), problem);

@@ -60,9 +60,6 @@ GuardPolicy Composition::policy() const {
 
 std::string contradiction(Composition const& c) {
     if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
-    if (c.policy().hands_over() && c.window > 0) return "a window cannot take back rows from the filter that goes on";
-    if (c.policy().hands_over() && !c.keeps_the_problem())
-        return "a rule of forgetting does not go along to the filter that goes on";
     return "";
 }
 
@@ -79,7 +76,6 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     if (is_its_own_rule(c, variant)) return "";
     if (!a.form) return "shows no state that could be discounted, reset or relieved of a row";
     if (c.window > 0 && !a.downdates) return "takes no row back";
-    if (c.policy().hands_over() && !can.relays) return "has no number for how near to singular its P is";
     if (ruled && std::ranges::count(can.rules, c.control) == 0)
         return !a.inflates      ? "takes no P + c a a': its square root of P is no triangle"
                : !a.information ? "has psi'P^-1 psi not at hand: it stores P, or no triangle"

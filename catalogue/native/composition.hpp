@@ -59,8 +59,7 @@ struct CompositionCounts {
     Index refactored = 0;  ///< times that a window's kept rows were factored anew
     Index since = 0;       ///< rows since then, or since the start
     Index unusable = 0, outliers = 0, changes = 0, windups = 0,
-          breakdowns = 0;      ///< as a guard counts them (GuardCounts)
-    bool handed_over = false;  ///< to the sounder variant
+          breakdowns = 0;  ///< as a guard counts them (GuardCounts)
 };
 
 }  // namespace rlslab

@@ -51,9 +51,8 @@ struct Options {
 struct Counts {
     std::int64_t rows = 0;  ///< offered since it was made, reset or loaded
     std::int64_t unusable = 0, outliers = 0, changes = 0, windups = 0, breakdowns = 0;  ///< as the guard counts them
-    std::int64_t refactored = 0;   ///< times that the window's rows were factored anew
-    std::int64_t since = 0;        ///< rows since then, or since the start
-    std::int64_t handed_over = 0;  ///< 1: to the sounder variant
+    std::int64_t refactored = 0;  ///< times that the window's rows were factored anew
+    std::int64_t since = 0;       ///< rows since then, or since the start
 };
 
 /// One filter. Of several threads one at a time may use it, also to read. Where an argument is refused
@@ -65,8 +64,7 @@ public:
     virtual std::string_view variant() const = 0;     ///< "ud"
     virtual std::string_view arithmetic() const = 0;  ///< "float" or "double"
 
-    /// One row, psi of d numbers. Numbers of the other arithmetic are rounded once. Allocates nothing, except where a
-    /// guard hands over.
+    /// One row, psi of d numbers. Numbers of the other arithmetic are rounded once. Allocates nothing.
     virtual Step update(double const* psi, double y) = 0;
     virtual Step update(float const* psi, float y) = 0;
     /// Many rows, the oldest first, each of d contiguous numbers, `stride` >= d numbers apart (0: d). `steps` has room

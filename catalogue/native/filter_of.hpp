@@ -162,7 +162,6 @@ public:
             CompositionCounts const n = filter_.composition_counts();
             out.unusable = n.unusable, out.outliers = n.outliers, out.changes = n.changes, out.windups = n.windups;
             out.breakdowns = n.breakdowns, out.refactored = n.refactored, out.since = n.since;
-            out.handed_over = n.handed_over;
         }
         return out;
     }

@@ -48,8 +48,7 @@ class Reader {
             out_.control_numbers.assign(control_->parameters.size(), Options::unset);
         } else if (name == "fleet") {
             refuse("the state is of a fleet: one of as many filters of that size takes it (restore, load)");
-        } else if (name != "guard" && name != "window" && name != "relay" &&
-                   std::ranges::find(variants(), name) == variants().end()) {
+        } else if (name != "guard" && name != "window" && std::ranges::find(variants(), name) == variants().end()) {
             refuse("the state is one of \"" + printable(name) + "\" around " + std::string(out_.variant) +
                    ", which no filter by name has");
         }
@@ -124,7 +123,7 @@ Saved saved(std::span<std::byte const> state) {
         refuse("the state is damaged");
     out.options.size = Index(header.parameters);
 
-    auto const entries = entries_in(header, state);
+    auto const entries = entries_in(state);
     Reader reader(out, state.size());
     for (std::size_t at = 4; at < entries.size(); at += StateEntry::size)
         reader.take(StateEntry::read(entries.data() + at));

@@ -58,9 +58,3 @@ for variant in rlslab.variants():
     breakdowns = {dtype: first_breakdown(variant, 0.98, dtype) for dtype in rlslab.arithmetics()}
     print(f"{variant:>24}: " + ", ".join(f"{dtype} {row}" for dtype, row in breakdowns.items()))
     assert math.isinf(breakdowns["float64"]) == (variant not in ("conventional", "kalman"))
-
-# %% Or a guard that sees it: it goes on in `ud` of the next longer arithmetic.
-f = rlslab.Conventional(4, forgetting=0.98, dtype="float32", guard="hand_over")
-f.update_many(Psi, y)
-print(f"guarded: theta {f.theta.round(2)}, handed over {f.counts.handed_over}, breakdowns {f.counts.breakdowns}")
-assert f.counts.handed_over and np.allclose(f.theta, [1.0, -0.5, 0.25, 2.0], atol=0.1)

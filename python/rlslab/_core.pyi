@@ -21,7 +21,6 @@ class Counts(NamedTuple):
     breakdowns: int
     refactored: int
     since: int
-    handed_over: int
 
 class Filter:
     def __new__(cls: type[_Self], *arguments: Any) -> _Self: ...

@@ -6,10 +6,8 @@
 #include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/adapt/whitened.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/rounding.hpp>

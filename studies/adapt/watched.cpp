@@ -11,7 +11,7 @@
 namespace rlslab::studies {
 
 std::vector<std::string> const& guard_policies_by_name() {
-    static std::vector<std::string> const names{"none", "report", "reset", "rebuild", "hand_over"};
+    static std::vector<std::string> const names{"none", "report", "reset", "rebuild"};
     return names;
 }
 std::vector<std::string> const& guarded_variants() {

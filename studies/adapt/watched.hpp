@@ -10,8 +10,7 @@
 namespace rlslab::studies {
 
 /// Data are binary64 and are rounded once to the filter's arithmetic. The catalogue's ComposedFilter does not do: it
-/// reports no signal of a row, has no limit for the innovation, hands over from double to 113 bits, and has no counting
-/// arithmetic.
+/// reports no signal of a row, has no limit for the innovation, and has no counting arithmetic.
 class Watched {
 public:
     virtual ~Watched() = default;
@@ -24,8 +23,7 @@ public:
     virtual GuardCounts counts() const = 0;  ///< zeros without a guard
 };
 
-/// The policies by name: none, report, reset, rebuild, hand_over. hand_over continues in ud in double, or in qr from ud
-/// in double. potter cannot hand over.
+/// The policies by name: none, report, reset, rebuild.
 std::vector<std::string> const& guard_policies_by_name();
 /// conventional, symmetric, potter, carlson, ud, inverse_qr, qr, gentleman.
 std::vector<std::string> const& guarded_variants();

@@ -3,7 +3,7 @@
 
 #include "studies/adapt/watched.hpp"
 
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
 #include <rlslab/variants/conventional.hpp>
@@ -60,18 +60,12 @@ public:
     }
 };
 
-/// What F hands over to: ud in double; ud in double to qr.
-template <class F>
-using SounderThan = std::conditional_t<std::same_as<F, Ud<double>>, Qr<double>, Ud<double>>;
-
 template <class F>
 MakeWatched watched_as(std::string_view policy) {
     if (policy == "none") return &WatchedAs<F>::make;
     if (policy == "report") return &WatchedAs<Guarded<F, reporting>>::make;
     if (policy == "reset") return &WatchedAs<Guarded<F, resetting>>::make;
     if (policy == "rebuild") return &WatchedAs<Guarded<F, rebuilding>>::make;
-    if constexpr (std::floating_point<typename F::scalar> && ReportsLeastShare<F>)
-        if (policy == "hand_over") return &WatchedAs<Guarded<Relay<F, SounderThan<F>>, handing_over>>::make;
     return nullptr;
 }
 template <class T>

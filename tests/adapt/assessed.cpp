@@ -5,7 +5,6 @@
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -132,7 +131,6 @@ TEST(Assessed, HoldsWhatItSays) {
     check(around<Windowed<Qr<double, 3>>>(0.97, WindowOptions<double>{.rows = 30}), "window that forgets");
     check(around<Guarded<F>>(0.95), "guard");
     check(around<Guarded<Windowed<Ud<float, 3>>>>(1), "guard around a window");
-    check(around<Relay<Symmetric<float, 3>, F>>(0.97), "relay");
 }
 TEST(AssessedSaboteur, OtherWidthsAreCaught) {
     using F = Ud<double, 3>;

@@ -2,7 +2,7 @@
 #include "tests/common/on_a_square.hpp"
 
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/symmetric.hpp>
@@ -72,11 +72,6 @@ void check_form() {
     check_operation<T>("variance", [](auto& f, R const& row) { return variance(f, row.psi.size() - 1); });
     check_operation<T>("variance_along",
                        [](auto& f, R const& row) { return variance_along(f, Regressor<T>(row.psi)); });
-    check_operation<T>("least_share", [](auto& f, R const& row) {
-        StateMatrix<T> L(row.psi.size());
-        StateVector<T> D(row.psi.size());
-        return least_share(f.form(), L, D);
-    });
 }
 TEST(SymmetricInBlocks, IsChangedThroughItsFormAsASquareIs) {
     check_form<double>();
@@ -113,66 +108,6 @@ void check_compositions() {
 TEST(SymmetricInBlocks, IsGuardedAsASquareIs) {
     check_compositions<double>();
     check_compositions<float>();
-}
-/// Without forgetting, on nearly dependent rows: P in float comes to its end within 300 rows.
-TEST(SymmetricInBlocks, IsHandedOverAsASquareIs) {
-    for (Index d : {4, 9, 17}) {
-        Problem<float> const problem{.size = d, .forgetting = 1};
-        RelayOptions const options{.bits = 8, .every = 5};
-        Relay<Symmetric<float>, Ud<double>> blocks(problem, options);
-        Relay<Square<float>, Ud<double>> square(problem, options);
-        Seed seed{std::uint64_t(d)};
-        for (int k = 0; k < 300; ++k) {
-            Row<float> row(d, seed);
-            row.psi[d - 1] = row.psi[0] + 0.001f * row.psi[d - 1];
-            blocks.update(row.psi, row.y);
-            square.update(row.psi, row.y);
-            ASSERT_EQ(blocks.handed_over(), square.handed_over()) << d << ' ' << k;
-            ASSERT_EQ(Vector<float>(blocks.theta()), Vector<float>(square.theta())) << d << ' ' << k;
-        }
-        EXPECT_TRUE(blocks.handed_over()) << d;
-    }
-}
-TEST(SymmetricInBlocks, IsRemovedFromAWindowAsASquareIs) {
-    for (Index d : {4, 8, 9, 17}) {
-        WindowOptions<double> const options{.rows = 3 * d};
-        Windowed<Symmetric<double>> blocks(problem_of<double>(d), options);
-        Windowed<Square<double>> square(problem_of<double>(d), options);
-        Seed seed{std::uint64_t(d)};
-        for (int k = 0; k < 12 * d; ++k) {
-            Row<double> const row(d, seed);
-            blocks.update(row.psi, row.y);
-            square.update(row.psi, row.y);
-            ASSERT_EQ(shown(blocks), shown(square)) << d << ' ' << k;
-        }
-        EXPECT_EQ(blocks.refactored(), square.refactored()) << d;
-    }
-}
-
-/// States are the square's, byte for byte, and go both ways.
-TEST(SymmetricInBlocks, IsSavedAndLoadedAsASquareIs) {
-    for (Index d : {1, 4, 7, 8, 9, 16, 17, 40}) {
-        Symmetric<double> blocks(problem_of<double>(d)), loaded({.size = d});
-        Square<double> square(problem_of<double>(d)), from_blocks({.size = d});
-        Seed seed{std::uint64_t(d)};
-        for (int k = 0; k < 20; ++k) {
-            Row<double> const row(d, seed);
-            blocks.update(row.psi, row.y);
-            square.update(row.psi, row.y);
-        }
-        auto const bytes = state_of(square);
-        ASSERT_EQ(state_of(blocks), bytes) << d;
-        EXPECT_EQ(load(loaded, bytes), StateFault::none) << d;
-        EXPECT_EQ(load(from_blocks, bytes), StateFault::none) << d;
-        EXPECT_EQ(state_of(loaded), bytes) << d;
-        for (int k = 0; k < 5; ++k) {
-            Row<double> const row(d, seed);
-            for (auto* f : {&blocks, &loaded}) f->update(row.psi, row.y);
-            for (auto* f : {&square, &from_blocks}) f->update(row.psi, row.y);
-        }
-        EXPECT_EQ(shown(loaded), shown(square)) << d;
-        EXPECT_EQ(shown(blocks), shown(from_blocks)) << d;
-    }
 }
 
 }  // namespace

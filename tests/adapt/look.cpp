@@ -1,6 +1,6 @@
 // An update in two steps: looking changes no bit, and looking and committing are the update.
-#include <rlslab/adapt/hand_over.hpp>
 #include <rlslab/adapt/look.hpp>
+#include <rlslab/adapt/window.hpp>
 
 #include "tests/adapt/adapt.hpp"
 
@@ -69,17 +69,6 @@ TEST(Look, ChangesNothingAndCommitsTheUpdate) {
 TEST(Look, ThroughAWindowIsThatOfTheFilterInIt) {
     check_look<Windowed<Ud<double, 4>>>(0);
     check_look<Windowed<Gentleman<double, 4>>>(1e-12);
-}
-TEST(Look, OfARelayIsThatOfTheFilterThatIsAtWork) {
-    using R = Relay<Symmetric<float, 4>, Ud<double, 4>>;
-    check_look<R>(0);
-    R relay({.forgetting = 0.96875f});
-    run_rows(relay, 50, Seed{1});
-    relay.hand_over();
-    Ud<double, 4> second = relay.second();
-    float const psi[] = {1, 2, -1, 0.5f};
-    double const wide[] = {1, 2, -1, 0.5};
-    EXPECT_EQ(relay.look(psi, 3.0f).e, float(second.look(wide, 3.0).e));
 }
 /// A rule works before or after the row: what is known of the row is known of the filter inside.
 TEST(Look, ThroughARuleIsThatOfTheFilterInside) {

@@ -4,7 +4,7 @@
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/adapt/outputs.hpp>
@@ -114,8 +114,6 @@ TEST(Allocation, NoneByWhatIsComposedAroundAFilter) {
     EXPECT_EQ(window.second, 0);
     EXPECT_EQ((allocations_of<RowsOf<20, Qr<double, 4>>>().second), 0);
     none(allocations_of<Weighted<Assessed<Guarded<Ud<double, 4>>>>>(), "weighted, assessed, guarded");
-    none(allocations_of<Guarded<Relay<Symmetric<double, 4>, Ud<double, 4>>, handing_over>>(),
-         "a relay that does not hand over");
     EXPECT_EQ((allocations_of<Guarded<RowsOf<20, Ud<double>>>>().second), 0);
 }
 
@@ -151,7 +149,7 @@ TEST(Allocation, NoneInFiltersByName) {
                                                       {.window = 20, .guard = "reset"},
                                                       {.guard = "reset", .control = "kulhavy"}};
             for (std::string_view const guard : native::guards())
-                if (guard != "hand_over") compositions.push_back({.forgetting = 0.99, .guard = guard});
+                compositions.push_back({.forgetting = 0.99, .guard = guard});
             for (native::Options const& options : compositions) {
                 try {
                     EXPECT_EQ(allocations_by_name(variant, arithmetic, options), 0)

@@ -32,7 +32,7 @@ TEST_F(ComposedCommand, RefusesWhatMakesNoSense) {
     refused(sales + "--window 0", "--window");
     refused(sales + "--window 1.5", "--window");
     refused(sales + "--window 60 --control kulhavy", "--control --window");
-    refused(sales + "--window 60 --guard hand_over", "--window --guard");
+    refused(sales + "--guard hand_over", "--guard hand_over report reset rebuild");
     refused(sales + "--control random_walk", "--control random_walk:VARIANCE");
     refused(sales + "--control random_walk:nan", "--control random_walk VARIANCE 0 nan");
     refused(sales + "--control random_walk:1e999", "random_walk VARIANCE 1e999");
@@ -66,7 +66,7 @@ TEST_F(ComposedCommand, SaysWhatItsDigitsAreComparedWith) {
     EXPECT_THAT(text.out, Names("kalman state"));
 }
 TEST_F(ComposedCommand, AnswersTheSameWithAnyNumberOfThreads) {
-    for (std::string options : {"--window 60 --guard rebuild --json", "--control fortescue --csv", "--guard hand_over"})
+    for (std::string options : {"--window 60 --guard rebuild --json", "--control fortescue --csv", "--guard reset"})
         EXPECT_EQ(shell("rlslab " + sales + options + " --no-timings --threads 1").out,
                   shell("rlslab " + sales + options + " --no-timings --threads 3").out);
 }

@@ -5,7 +5,7 @@
 #include "tests/common/program.hpp"
 
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/variants/carlson.hpp>
@@ -93,8 +93,6 @@ void check_others() {
     t.check(F(t.problem()), {.control = "constant"});
     t.check(Guarded<F, reporting>(t.problem()), {.guard = "report"});
     t.check(Guarded<F, rebuilding>(t.problem()), {.guard = "rebuild"});
-    t.check(Guarded<Relay<F, Ud<std::conditional_t<std::same_as<T, float>, double, Quad>>>, handing_over>(t.problem()),
-            {.guard = "hand_over"});
     t.check(Guarded<W, resetting>(W(t.problem(), {.rows = 30}), t.problem()), {.window = 30, .guard = "reset"});
     t.check(Forgetting<F, RotatingRidge<T>>(t.problem(), {.ridge = T(0.25)}),
             {.control = "ridge", .parameters = {0.25}});

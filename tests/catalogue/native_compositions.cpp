@@ -4,7 +4,7 @@
 #include "tests/common/composed.hpp"
 
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/core/input_error.hpp>
@@ -171,33 +171,6 @@ TYPED_TEST(NativeCompositions, Rules) {
                  made<T>("ud", {.guard = "reset", .control = "kulhavy", .control_numbers = kulhavy}));
     expect_alike(Ud<T>(p), made<T>("ud", {.control = "constant"}));
 }
-/// In double the sounder variant has the compiler's binary128: a type of Quads has its bits and its states.
-TYPED_TEST(NativeCompositions, HandingOver) {
-    using T = TypeParam;
-    using Sounder = std::conditional_t<std::same_as<T, float>, Ud<double>, Ud<Quad>>;
-    auto const p = problem<T>(0.9);
-    auto filter = made<T>("conventional", {.forgetting = 0.9, .guard = "hand_over"});
-    Guarded<Relay<Conventional<T>, Sounder>, handing_over> typed(p);
-    expect_alike(typed, filter->clone());
-    // Rows along one direction spoil a plain P.
-    Seed seed{5};
-    for (int k = 0; k < 3000; ++k) {
-        Vector<T> psi(d);
-        for (Index i = 0; i < d; ++i) psi[i] = T(1 + (k % 50 == 0 ? 0.001 * seed.bell() : 0));
-        T const y = psi.sum() + T(0.01) * T(seed.bell());
-        typed.update(psi, y);
-        filter->update(psi.data(), y);
-    }
-    EXPECT_TRUE(typed.filter().handed_over());
-    EXPECT_EQ(filter->counts().handed_over, 1);
-    EXPECT_EQ(state_bytes_of(typed), state_bytes_of(*filter));
-    auto const fresh = made<T>("conventional", {.forgetting = 0.9, .guard = "hand_over"});
-    fresh->load(state_bytes_of(typed));
-    EXPECT_EQ(state_bytes_of(typed), state_bytes_of(*fresh));
-    Guarded<Relay<Conventional<T>, Sounder>, handing_over> back(p);
-    EXPECT_EQ(load(back, state_bytes_of(*filter)), StateFault::none);
-    EXPECT_EQ(state_bytes_of(typed), state_bytes_of(back));
-}
 TYPED_TEST(NativeCompositions, ManyRowsAreThoseOneByOne) {
     using T = TypeParam;
     Matrix<T> const psi = records().psi.cast<T>();
@@ -348,12 +321,9 @@ TEST(NativeFromState, ForgedBytesAskForNoMemory) {
     double const number[] = {0.9};
     for (Options const& options :
          {Options{.size = 2, .window = 9, .guard = "reset"},
-          Options{.size = 2, .guard = "rebuild", .control = "kulhavy", .control_numbers = number},
-          Options{.size = 2, .guard = "hand_over"}}) {
+          Options{.size = 2, .guard = "rebuild", .control = "kulhavy", .control_numbers = number}}) {
         std::vector<std::byte> const whole = state_bytes_of(*native::make("ud", "float", options));
-        StateHeader header;
-        ASSERT_EQ(StateHeader::read(whole, header), StateFault::none);
-        std::size_t const first = StateHeader::size + entries_in(header, whole).size();
+        std::size_t const first = StateHeader::size + entries_in(whole).size();
         for (std::size_t at = 8; at < first; ++at)
             for (int const change : {1, 0x40, 0x80, 0xff}) {
                 std::vector<std::byte> forged = whole;

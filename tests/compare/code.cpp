@@ -122,8 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
     Compositions, ComposedCode,
     testing::Values(Composition{.window = 60, .guard = "reset"},
                     Composition{.control = "kulhavy", .parameters = {0.97, 0}},
-                    Composition{.control = "random_walk", .parameters = {1e-4}, .guard = "rebuild"},
-                    Composition{.guard = "hand_over"}),
+                    Composition{.control = "random_walk", .parameters = {1e-4}, .guard = "rebuild"}),
     [](auto const& one) { return one.param.control + std::to_string(one.param.window) + one.param.guard; });
 
 struct Source {

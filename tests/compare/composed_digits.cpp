@@ -188,9 +188,6 @@ TEST(ComposedCode, NamesTheTypes) {
     EXPECT_THAT(code(compared(records, {.control = "random_walk", .parameters = {0.25}}, 1, {"ud"})),
                 testing::HasSubstr("rlslab::Forgetting<rlslab::Ud<float, 4>, rlslab::RandomWalk<float>> "
                                    "filter(problem, {.variance = 0.25});"));
-    EXPECT_THAT(
-        code(compared(records, {.guard = "hand_over"}, 1, {"ud"})),
-        testing::HasSubstr("rlslab::Relay<rlslab::Ud<float, 4>, rlslab::Ud<double, 4>> const unguarded(problem);"));
 }
 
 }  // namespace

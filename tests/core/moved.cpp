@@ -5,7 +5,7 @@
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -64,7 +64,6 @@ TEST(MovedFrom, WhatIsAroundAFilterRefusesRowsUntilItIsAssignedTo) {
     check_composed<Guarded<Windowed<F>>>("guarded window");
     check_composed<Weighted<F>>("weights");
     check_composed<Assessed<F>>("assessed");
-    check_composed<Relay<Symmetric<double>, F>>("relay");
 }
 
 /// It has no residuals either: time that passes wrote one before the first.

@@ -52,18 +52,6 @@ build_rust() {
   "$rustc" --edition 2021 -O -D warnings -L "$LD_LIBRARY_PATH" -o example "$tree/examples/rust/main.rs"
   "$rustc" --edition 2021 -O -D warnings -L "$LD_LIBRARY_PATH" -o bits "$tree/tests/doors/bits.rs"
 }
-build_go() {
-  cp -r "$tree/examples/go" module
-  mkdir module/bits
-  cp "$tree/tests/doors/bits.go" module/bits/main.go
-  export GOFLAGS=-mod=mod GOPROXY=off GOTOOLCHAIN=local
-  (cd module && go vet ./... && go build -o ../example . && go build -o ../bits ./bits)
-}
-build_octave() {
-  mkoctfile --mex "$tree/examples/octave/rlslab.c" "${flags[@]}" -o rlslab.mex
-  script example octave-cli --no-history --no-init-file --quiet --path "$PWD" "$tree/examples/octave/main.m"
-  script bits octave-cli --no-history --no-init-file --quiet --path "$PWD" "$tree/tests/doors/bits.m"
-}
 script() {    # script NAME COMMAND...
   printf '#!/bin/sh\nPYTHONDONTWRITEBYTECODE=1 exec' >"$1"
   printf ' "%s"' "${@:2}" >>"$1"
@@ -74,6 +62,9 @@ same() {    # same WHAT FILE FILE
   cmp -- "$2" "$3" || { diff -- "$2" "$3" | head -n 4 || true; echo "$1: other than C++'s"; exit 1; }
 }
 
+for language in "$@"; do
+  declare -F "build_$language" >/dev/null || { echo "no door of $language: there are c, ctypes and rust"; exit 2; }
+done
 mkdir -p cpp/states
 "$cpp" save cpp/states >cpp/bits.txt
 (( $(wc -l <cpp/bits.txt) == 36 )) || { echo "18 variants in float and double were expected"; exit 1; }

@@ -20,9 +20,8 @@ void offer(std::span<std::byte const> bytes) {
         F f = loaded<F>(bytes);
         std::vector<std::byte> again(state_size(f));
         save(f, std::span(again));
-        if (StateHeader header; StateHeader::read(bytes, header) == StateFault::none && header.version == state_version)
-            expect(std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()),
-                   "what was loaded to be saved as it was");
+        expect(std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()),
+               "what was loaded to be saved as it was");
         Vector<T> const psi = Vector<T>::Constant(Vector<T>(f.theta()).size(), T(1));
         for (int k = 0; k < 3; ++k) f.update(psi, T(2));
         (void)Vector<T>(f.theta());

@@ -2,7 +2,7 @@
 // and arithmetic, a hash of theta, K and P or its inverse. tests/python/test_bits.py has the rows in Python.
 // `bits FOLDER`: states of compositions after 100 rows, and a hash of theta after 200.
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/state/state.hpp>
@@ -99,7 +99,6 @@ int main(int count, char** words) {
         save_half_way(Guarded<Windowed<Ud<float>>>(Windowed<Ud<float>>(f, {.rows = 30}), f), words[1], "windowed");
         save_half_way(Guarded<Forgetting<Carlson<D>, Kulhavy<D>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
                       words[1], "ruled");
-        save_half_way(Guarded<Relay<Ud<float>, Ud<D>>, handing_over>(f), words[1], "relay");
         save_half_way(Forgetting<Qr<D>, Fortescue<D>>(p, {.noise_variance = 1e-6}), words[1], "fortescue");
         return 0;
     }

@@ -198,7 +198,7 @@ def test_damaged_states_and_pickles(variant, dtype, flips, cut):
 
 
 composed = st.sampled_from([
-    {}, {"guard": "reset", "window": 9}, {"guard": "hand_over"}, {"control": ("kulhavy", 0.9), "guard": "report"},
+    {}, {"guard": "reset", "window": 9}, {"control": ("kulhavy", 0.9), "guard": "report"},
     {"guard": "rebuild", "guard_options": {"rebuild_rows": 3, "innovation": 4.5}}, {"control": "ridge"},
 ])    # fmt: skip
 

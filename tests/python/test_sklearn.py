@@ -118,8 +118,7 @@ def changed(y, X):
 @pytest.mark.parametrize(
     "options, spoil",
     [
-        ({"guard": "reset"}, spoilt), ({"guard": "rebuild"}, spoilt), 
-        ({"variant": "ud", "prior_variance": 1e6, "guard": "hand_over"}, spoilt),
+        ({"guard": "reset"}, spoilt), ({"guard": "rebuild"}, spoilt),
         ({"guard": "reset", "forgetting": 0.99}, changed), ({"window": 50}, changed), ({"window": 50}, spoilt),
         ({"window": 50, "forgetting": 0.98, "guard": "reset"}, changed), ({"control": ("reset", 100, 1e6)}, None),
         ({"variant": "ud", "prior_variance": 1e6, "guard": "reset", "control": ("kulhavy", 0.99)}, spoilt),

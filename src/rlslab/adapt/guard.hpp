@@ -23,11 +23,6 @@ concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && Keep
                         restart(f, x, a, x);
                         cap_row(f, a, x, x);
                     };
-/// hand_over(): goes on in a sounder variant; false where what was held is lost, or where it has gone on there before.
-template <class F>
-concept HandsOver = requires(F& f) {
-    { f.hand_over() } -> std::same_as<bool>;
-};
 
 /// F, with every row looked at before it is committed, and P after it, in O(d) besides the update (d^2/2 more where F
 /// holds a factor of P^-1, up to d^2 where it follows a rule):
@@ -61,13 +56,12 @@ concept HandsOver = requires(F& f) {
 /// of forgetting s is that of before the rule.
 /// (2) takes P0 at its word: theta0's error beyond c sqrt(P0 s2) makes outliers of the rows that first show it.
 /// Of packs: each lane as the scalar guard around its own filter, with signals, counts and a largest_variance of its
-/// own (the other options are one for all lanes); neither rebuilding nor handing over. Where not all lanes do the same,
-/// a thread allocates at its first such row, and a median is taken in memory that is allocated for it.
+/// own (the other options are one for all lanes); no rebuilding. Where not all lanes do the same, a thread allocates
+/// at its first such row, and a median is taken in memory that is allocated for it.
 /// Thresholds of (2): docs/theory.md 61; of (4) and (5): 88. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000
 /// (cited, not read), in squares. Edition 1 had a bound of s, P_jj of every form, and a column of P in (5).
 template <Guardable F, GuardPolicy policy = resetting>
-    requires(policy.valid() && (!policy.hands_over() || HandsOver<F>) &&
-             (std::same_as<Truth<typename F::scalar>, bool> || !(policy.rebuilds() || policy.hands_over())))
+    requires(policy.valid() && (std::same_as<Truth<typename F::scalar>, bool> || !policy.rebuilds()))
 class Guarded : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
     using Mask = Truth<T>;  // the lanes in which something is so
@@ -423,8 +417,6 @@ private:
     void repair(Mask const& lanes, Regressor<T> psi) {
         count(counts_.breakdowns, lanes);
         tell(lanes, GuardSignal::breakdown);
-        if constexpr (policy.hands_over())
-            if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
             T const variance = variance_for(psi, significand_bits<T>() / 6);
             reset_to_last_finite(lanes, variance);

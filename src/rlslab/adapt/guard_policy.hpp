@@ -16,9 +16,7 @@ namespace rlslab {
 ///   reset     P = v I, v the largest variance at the start or what the rows at hand admit ((6) of guard.hpp), and
 ///   theta as it was last seen finite; without a prior as (7) there says
 ///   rebuild   reset, then the kept rows anew
-///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors,
-///   else as `reset`
-enum class Action : unsigned char { report, skip, cap, reset, rebuild, hand_over };
+enum class Action : unsigned char { report, skip, cap, reset, rebuild };
 
 /// The action on each signal. Data that are not finite or out of range ((1) of guard.hpp) are skipped whatever the
 /// policy.
@@ -26,13 +24,12 @@ struct GuardPolicy {
     Action outlier = Action::report;    ///< report or skip
     Action change = Action::report;     ///< report, reset
     Action windup = Action::report;     ///< report, cap
-    Action breakdown = Action::report;  ///< report, reset, rebuild, hand_over
+    Action breakdown = Action::report;  ///< report, reset, rebuild
 
     /// Whether it does more than count.
     constexpr bool intervenes() const { return outlier != Action::report || windup != Action::report || resets(); }
     constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
     constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
-    constexpr bool hands_over() const { return breakdown == Action::hand_over; }
     constexpr bool valid() const {
         return (outlier == Action::report || outlier == Action::skip) &&
                (change == Action::report || change == Action::reset) &&
@@ -43,7 +40,6 @@ struct GuardPolicy {
 inline constexpr GuardPolicy reporting{};
 inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
-inline constexpr GuardPolicy handing_over{Action::skip, Action::reset, Action::cap, Action::hand_over};
 
 template <Field T>
 struct GuardOptions {
@@ -66,8 +62,6 @@ inline constexpr NamedPolicy guard_policies[] = {
     {"reset", "resetting", "also skips outliers, restarts at a change, caps windup and resets at a breakdown",
      resetting},
     {"rebuild", "rebuilding", "as reset, but processes the last rows again after a breakdown", rebuilding},
-    {"hand_over", "handing_over", "as reset, but continues with ud in the next longer arithmetic after a breakdown",
-     handing_over},
 };
 /// Null for another name.
 constexpr NamedPolicy const* find_policy(std::string_view name) {

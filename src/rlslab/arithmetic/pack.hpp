@@ -257,9 +257,6 @@ struct Encoding<Pack<T, L>> {
         return true;
     }
 };
-/// A count of rows was one for all lanes in states of version 1.
-template <std::integral I, int L>
-inline constexpr std::size_t detail::size_in_version_1<Lanes<I, L>> = Encoding<I>::size;
 template <Encodable X, int L>
 struct Encoding<Lanes<X, L>> {
     static constexpr std::size_t size = L * Encoding<X>::size;

@@ -40,9 +40,6 @@ struct Encoding<bool> {
 };
 
 namespace detail {
-/// Bytes of a T in states of version 1.
-template <class T>
-inline constexpr std::size_t size_in_version_1 = Encoding<T>::size;
 /// The low bytes of n.
 inline void write_low(std::uint64_t n, std::size_t bytes, std::byte* to) {
     for (std::size_t i = 0; i < bytes; ++i) to[i] = std::byte(n >> (8 * i) & 0xff);

@@ -132,7 +132,7 @@ void walk(To& to, X& x) {
         std::apply([&to](auto&... members) { (walk(to, members), ...); }, Member::state(x));
         to.token(')', 0);
     } else if constexpr (Encodable<Member>) {
-        to.token('n', to.version == 1 ? size_in_version_1<Member> : Encoding<Member>::size);
+        to.token('n', Encoding<Member>::size);
         to.number(x);
     } else if constexpr (is_square<Member>) {
         to.length('m', x.size(), Encoding<std::remove_cvref_t<decltype(x(0, 0))>>::size);
@@ -163,7 +163,6 @@ class Measuring {
     bool nested_ = false;
 
 public:
-    std::uint64_t version = state_version;
     void token(char kind, std::uint64_t n) {
         std::byte bytes[9] = {std::byte(kind)};
         write_low(n, 8, bytes + 1);
@@ -196,7 +195,6 @@ public:
 };
 
 struct Silent {
-    std::uint64_t version = state_version;
     void token(char, std::uint64_t) {}
     void length(char, Index, std::size_t) {}
     void name(std::string_view) {}
@@ -220,9 +218,7 @@ struct Writing : Silent {
 struct Reading : Silent {
     std::span<std::byte const> from;
     bool keep, possible = true;
-    Reading(std::span<std::byte const> bytes, bool keep_them, std::uint64_t of_version) : from(bytes), keep(keep_them) {
-        version = of_version;
-    }
+    Reading(std::span<std::byte const> bytes, bool keep_them) : from(bytes), keep(keep_them) {}
     template <class T>
     bool read(T& x) {
         possible = possible && from.size() >= Encoding<T>::size && Encoding<T>::read(from.data(), x);
@@ -232,12 +228,6 @@ struct Reading : Silent {
     template <class T>
     void number(T& x) {
         T read_one = x;
-        if constexpr (size_in_version_1<T> != Encoding<T>::size)
-            if (version == 1) {
-                auto one = x[0];
-                if (read(one) && keep) x = T(one);
-                return;
-            }
         if (read(read_one) && keep) x = read_one;
     }
     template <class X>
@@ -295,16 +285,6 @@ template <class T>
 constexpr std::uint64_t lanes_of() {
     if constexpr (requires { T::lanes; }) return T::lanes;
     else return 1;
-}
-
-template <class F>
-std::uint64_t layout_of(F const& f, std::uint64_t version) {
-    Measuring measuring;
-    measuring.version = version;
-    walk(measuring, f);
-    StateHeader out;
-    measuring.into(out);
-    return out.layout;
 }
 }  // namespace detail
 
@@ -378,14 +358,10 @@ auto state_of(F const& f) {
     }
 }
 
-/// Which edition of the algorithm a state may be of: `any` takes the numbers of another one. What follows then differs
-/// by rounding from what the saved filter would have given.
-enum class Edition { same, any };
-
 namespace detail {
 /// The first thing that f says by name otherwise than the entries do.
 template <NamesItsState F>
-StateFault compared(F const& f, std::span<std::byte const> entries, Edition accepted) {
+StateFault compared(F const& f, std::span<std::byte const> entries) {
     if (entries.size() != 4 + StateEntry::size * entries_in(f)) return StateFault::layout;
     bool named = true, same_edition = true, same_options = true;
     std::byte const* at = entries.data() + 4;
@@ -398,15 +374,8 @@ StateFault compared(F const& f, std::span<std::byte const> entries, Edition acce
     };
     describe(compare, f);
     if (!named) return StateFault::layout;
-    if (!same_edition && accepted == Edition::same) return StateFault::edition;
+    if (!same_edition) return StateFault::edition;
     return same_options ? StateFault::none : StateFault::options;
-}
-template <NamesItsState F>
-StateFault compared_with_version_1(F const& f, Edition accepted) {
-    bool first = true;
-    auto const look = [&first](StateEntry const& mine) { first = first && (mine.kind != 'f' || mine.value == 1); };
-    describe(look, f);
-    return first || accepted == Edition::any ? StateFault::none : StateFault::edition;
 }
 }  // namespace detail
 
@@ -414,21 +383,19 @@ StateFault compared_with_version_1(F const& f, Edition accepted) {
 /// and prior may be others. Anything but StateFault::none leaves f as it was. Neither allocates nor throws (sparse
 /// variants and fleets allocate). A checksum is no signature: who can write a file can also make its checksum right.
 template <NamesItsState F>
-StateFault load(F& f, std::span<std::byte const> from, Edition accepted = Edition::same) {
+StateFault load(F& f, std::span<std::byte const> from) {
     StateHeader found;
     if (StateFault const fault = StateHeader::read(from, found); fault != StateFault::none) return fault;
     StateHeader const expected = state_header(f);
     if (found.variant != expected.variant) return StateFault::variant;
     if (!same_arithmetic(found, expected)) return StateFault::arithmetic;
     if (found.parameters != expected.parameters) return StateFault::size;
-    auto const entries = entries_in(found, from);
-    StateFault const fault =
-        found.version == 1 ? detail::compared_with_version_1(f, accepted) : detail::compared(f, entries, accepted);
-    if (fault != StateFault::none) return fault;
-    if (found.layout != detail::layout_of(f, found.version)) return StateFault::layout;
+    auto const entries = entries_in(from);
+    if (StateFault const fault = detail::compared(f, entries); fault != StateFault::none) return fault;
+    if (found.layout != expected.layout) return StateFault::layout;
     std::size_t const first = StateHeader::size + entries.size();
     auto const numbers = from.subspan(first, from.size() - first - StateHeader::checksum);
-    detail::Reading looking(numbers, false, found.version), keeping(numbers, true, found.version);
+    detail::Reading looking(numbers, false), keeping(numbers, true);
     detail::walk(looking, f);
     if (!looking.possible || !looking.from.empty()) return StateFault::value;
     detail::walk(keeping, f);

@@ -29,7 +29,7 @@ std::string layers(std::vector<StateEntry> const& entries) {
 }
 /// A policy's number as its action.
 std::string value_of(StateEntry const& entry) {
-    constexpr std::string_view actions[] = {"report", "skip", "cap", "reset", "rebuild", "hand_over"};
+    constexpr std::string_view actions[] = {"report", "skip", "cap", "reset", "rebuild"};
     if (name_of(entry).starts_with("on_") && 0 <= entry.value && entry.value < double(std::size(actions)))
         return std::string(actions[std::size_t(entry.value)]);
     float const single = float(entry.value);  // the shortest text of a number of float, too
@@ -54,8 +54,8 @@ std::string difference(StateFault fault, std::vector<StateEntry> const& found,
 /// A state that cannot be read.
 std::string unreadable(StateFault fault, StateHeader const& header, std::size_t bytes) {
     if (fault == StateFault::no_state) return bytes == 0 ? "nothing" : "something else";
-    if (fault == StateFault::later_version)
-        return fmt::format("one of format {}, this program reads formats up to {}", header.version, state_version);
+    if (fault == StateFault::other_version)
+        return fmt::format("one of format {}, this program reads format {}", header.version, state_version);
     return fmt::format("{} bytes that are a state {}", bytes, name_of(fault));
 }
 
@@ -70,13 +70,13 @@ std::string refusal(StateFault fault, StateHeader const& expected, std::vector<S
     out += "one of " + described(header);
     bool const other_format = fault == StateFault::arithmetic && header.arithmetic == expected.arithmetic;
     if (other_format) out += fmt::format(", {} bits there, {} here", header.digits, expected.digits);
-    if (fault >= StateFault::layout) out += difference(fault, state_entries(header, found), entries);
+    if (fault >= StateFault::layout) out += difference(fault, state_entries(found), entries);
     return out;
 }
 
-std::vector<StateEntry> state_entries(StateHeader const& header, std::span<std::byte const> whole) {
+std::vector<StateEntry> state_entries(std::span<std::byte const> whole) {
     std::vector<StateEntry> out;
-    auto const bytes = entries_in(header, whole);
+    auto const bytes = entries_in(whole);
     for (std::size_t at = 4; at < bytes.size(); at += StateEntry::size)
         out.push_back(StateEntry::read(bytes.data() + at));
     return out;
@@ -88,8 +88,7 @@ std::string described_state(std::span<std::byte const> bytes) {
         throw InputError("expected a state, found " + unreadable(fault, header, bytes.size()));
     std::string out =
         fmt::format("a state of {}: format {}, {} bytes\n", described(header), header.version, bytes.size());
-    if (header.version == 1) return out + "format 1 does not say by name what is around the variant, nor its options\n";
-    for (StateEntry const& entry : state_entries(header, bytes)) {
+    for (StateEntry const& entry : state_entries(bytes)) {
         if (entry.kind == 'f') out += fmt::format("{}, edition {}\n", name_of(entry), value_of(entry));
         else
             out +=

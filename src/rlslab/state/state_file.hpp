@@ -20,8 +20,8 @@ std::vector<StateEntry> state_entries(F const& f) {
     detail::describe(keep, f);
     return out;
 }
-/// What a whole state says by name; nothing in version 1.
-std::vector<StateEntry> state_entries(StateHeader const& header, std::span<std::byte const> whole);
+/// What a whole state says by name.
+std::vector<StateEntry> state_entries(std::span<std::byte const> whole);
 /// What a state says of itself, a line each: the variant, its arithmetic and size, what is around it, editions,
 /// options, counts. Throws InputError for bytes that are no whole state.
 std::string described_state(std::span<std::byte const> bytes);
@@ -68,9 +68,9 @@ void save(F const& f, std::filesystem::path const& path, bool on_disk = true) {
 /// f becomes the filter that was saved there. Throws InputError, naming the file, what was expected and what was found;
 /// f is then as it was.
 template <NamesItsState F>
-void load(F& f, std::filesystem::path const& path, Edition accepted = Edition::same) {
+void load(F& f, std::filesystem::path const& path) {
     std::vector<std::byte> const bytes = detail::bytes_of(path);
-    if (StateFault const fault = load(f, std::span(bytes), accepted); fault != StateFault::none)
+    if (StateFault const fault = load(f, std::span(bytes)); fault != StateFault::none)
         detail::refuse_state(path, refusal(fault, state_header(f), state_entries(f), bytes));
 }
 template <NamesItsState F>

@@ -22,9 +22,7 @@ namespace rlslab {
 //  end  CRC-32 of all before, 4 bytes
 //
 // The layout is the sequence of members, their kinds and lengths. Magic, version, length and checksum stay where they
-// are in every version, so that each tells damage from another version. Version 1 has no entries: it does not tell
-// rules, policies and options apart, and its editions are 1. A version after this one reads both: when a page's list
-// changes, the page keeps its old list as state_1.
+// are in every version, so that each tells damage from another version.
 inline constexpr std::uint16_t state_version = 2;
 
 /// Why bytes were refused.
@@ -34,7 +32,7 @@ enum class StateFault {
     cut_short,
     too_long,
     damaged,
-    later_version,
+    other_version,
     variant,
     arithmetic,
     size,
@@ -50,7 +48,7 @@ constexpr std::string_view name_of(StateFault fault) {
                                           "cut short",
                                           "longer than it says",
                                           "damaged: its checksum is another",
-                                          "of a later version",
+                                          "of another version of the format",
                                           "of another variant",
                                           "of another arithmetic",
                                           "of another size",
@@ -126,7 +124,7 @@ struct StateHeader {
         sum.add(from.first(end));
         if (out.version == 0 || detail::read_low(from.data() + end, checksum) != sum.value())
             return StateFault::damaged;
-        return out.version > state_version ? StateFault::later_version : StateFault::none;
+        return out.version == state_version ? StateFault::none : StateFault::other_version;
     }
 };
 
@@ -153,9 +151,9 @@ struct StateEntry {
     }
 };
 /// The bytes between header and numbers of a whole state; empty where there are fewer.
-inline std::span<std::byte const> entries_in(StateHeader const& header, std::span<std::byte const> whole) {
+inline std::span<std::byte const> entries_in(std::span<std::byte const> whole) {
     auto const behind = whole.subspan(StateHeader::size, whole.size() - StateHeader::size - StateHeader::checksum);
-    if (header.version == 1 || behind.size() < 4) return {};
+    if (behind.size() < 4) return {};
     std::uint64_t const bytes = 4 + detail::read_low(behind.data(), 4) * StateEntry::size;
     return bytes <= behind.size() ? behind.first(std::size_t(bytes)) : std::span<std::byte const>{};
 }
