@@ -1,4 +1,5 @@
-// The lines of bits.cpp, which has what is computed, from Go. doors.sh puts this into the module of examples/go.
+// The lines of tests/portability/digest.cpp, which has what is computed, from Go. doors.sh puts this into the module of
+// examples/go.
 package main
 
 import (

@@ -1,4 +1,4 @@
-% The lines of bits.cpp, which has what is computed, from Octave.
+% The lines of tests/portability/digest.cpp, which has what is computed, from Octave.
 1;
 function text = hashed(numbers)
   first = second = 1;
