@@ -2,16 +2,13 @@
 #include <rlslab/state/state.hpp>
 
 #include "tests/adapt/adapt.hpp"
+#include "tests/common/twins.hpp"
 
 #include <rlslab/adapt/assessed.hpp>
-#include <rlslab/many/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/information.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -49,49 +46,53 @@ struct Made {
     static F saved() { return of<typename F::scalar>(0.9375, 64); }
     static F other() { return of<typename F::scalar>(0.5, 4); }
 };
-/// Good rows, then silence, outliers, a NaN, a change of sign: whatever the guard and the window know of comes up. Each
-/// row's report.
-template <class F>
-std::vector<double> reports(F& f, int rows, Seed seed) {
-    using T = typename F::scalar;
-    std::vector<double> out;
-    T psi[3];
-    for (int k = 0; k < rows; ++k) {
-        T y = draw(seed, psi, 0.125, k % 400 < 300 ? 1 : -1);
-        int const part = k % 100;
+/// Good rows, then silence, outliers, a NaN, a change of sign: whatever the guard and the window know of comes up.
+twins::Rows rows_of(Index count, Seed seed) {
+    twins::Rows out;
+    for (Index k = 0; k < count; ++k) {
+        double psi[3];
+        double y = draw(seed, psi, 0.125, k % 400 < 300 ? 1 : -1);
+        Index const part = k % 100;
         if (part > 80)
-            for (T& x : psi) x *= T(part > 90 ? 0 : 1000);
-        if (part == 70) y += T(1e5);
-        if (part == 75) psi[1] = T(NAN);
-        Step<T> const step = f.update(psi, y);
-        for (T const x : {step.innovation, step.residual, step.gamma, f.theta()[0], f.theta()[2], f.gain()[1]})
-            out.push_back(double(x));
-        out.push_back(double(int(step.health)));
+            for (double& x : psi) x *= part > 90 ? 0 : 1000;
+        if (part == 70) y += 1e5;
+        if (part == 75) psi[1] = NAN;
+        out.push_back({Vector<double>{{psi[0], psi[1], psi[2]}}, y, 1, k});
     }
     return out;
 }
-bool same(std::vector<double> const& a, std::vector<double> const& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+/// f after these rows.
+template <class F>
+F after(F const& start, Index count, Seed seed) {
+    F f = start;
+    for (auto const& row : rows_of(count, seed)) twins::Update{}(f, twins::row_in<typename F::scalar>(row));
+    return f;
+}
+/// What f leaves from here on, its whole state included.
+template <class F>
+twins::Trace from_here(F const& f) {
+    return twins::trace(f, rows_of(900, Seed{13}), true);
 }
 /// "" or where what was loaded parts from what was saved.
 template <class F>
 std::string parted(int before) {
-    F f = Made<F>::saved(), g = Made<F>::other();
-    reports(f, before, Seed{11});
-    if (before > 1) reports(g, 33, Seed{12});
+    F const f = after(Made<F>::saved(), before, Seed{11});
+    F g = after(Made<F>::other(), before > 1 ? 33 : 0, Seed{12});
     if (load(g, bytes_of(f)) != StateFault::none) return "refused";
-    if (bytes_of(g) != bytes_of(f)) return "at once";
-    if (!same(reports(f, 900, Seed{13}), reports(g, 900, Seed{13}))) return "in a report";
-    return bytes_of(f) == bytes_of(g) ? "" : "at the end";
+    return bytes_of(g) == bytes_of(f) ? twins::parted(from_here(f), from_here(g)) : "at once";
+}
+void expect_kept(std::string_view what, std::vector<std::string> const& parted, StateFault into_bare, bool is_ud,
+                 StateFault from_bare) {
+    EXPECT_EQ(parted, std::vector<std::string>(parted.size())) << what;
+    EXPECT_EQ(into_bare, is_ud ? StateFault::layout : StateFault::variant) << what;
+    EXPECT_NE(from_bare, StateFault::none) << what;
 }
 template <class F>
 void check(char const* what) {
-    for (int before : {0, 1, 20, 74, 95, 250}) EXPECT_EQ(parted<F>(before), "") << what << " after " << before;
-    F const f = Made<F>::saved();
     Ud<typename F::scalar, 3> bare({});
-    EXPECT_EQ(load(bare, bytes_of(f)), F::name == "ud" ? StateFault::layout : StateFault::variant) << what;
     F g = Made<F>::other();
-    EXPECT_NE(load(g, bytes_of(bare)), StateFault::none) << what;
+    expect_kept(what, {parted<F>(0), parted<F>(1), parted<F>(20), parted<F>(74), parted<F>(95), parted<F>(250)},
+                load(bare, bytes_of(Made<F>::saved())), F::name == "ud", load(g, bytes_of(bare)));
 }
 
 TEST(State, OfAWindowContinuesBitForBit) {
@@ -161,49 +162,19 @@ TEST(State, OfAnotherEditionIsRefused) {
     Guarded<NextUd> guarded_next({});
     EXPECT_EQ(load(guarded_next, bytes_of(guarded)), StateFault::edition);
 }
-template <class F>
-void expect_a_fleet_to_continue(Problem<double> const& p) {
-    F f(10, p), g(10, {.size = 3}), other(11, p);
-    Seed seed{17};
-    auto const take = [&seed](F& fleet, int rows) {
-        for (int k = 0; k < rows; ++k) {
-            Matrix<double> psi = Matrix<double>::NullaryExpr(10, 3, [&seed] { return seed.bell(); });
-            if (k % 3 == 1) psi(k % 10, 1) = NAN;
-            fleet.update(psi, Vector<double>::NullaryExpr(10, [&seed] { return seed.bell(); }));
-            if (k % 5 == 4) fleet.reset(k % 10);
-        }
-    };
-    take(f, 6);
-    ASSERT_EQ(load(g, bytes_of(f)), StateFault::none);
-    EXPECT_EQ(load(other, bytes_of(f)), StateFault::options);
-    Seed const here = seed;
-    take(f, 20);
-    seed = here;
-    take(g, 20);
-    EXPECT_EQ(bytes_of(f), bytes_of(g));
-    for (Index i = 0; i < 10; ++i) EXPECT_EQ(f.health(i), g.health(i));
-}
-TEST(State, OfAFleetContinuesBitForBit) {
-    Problem<double> p{.size = 3, .forgetting = 0.96875};
-    expect_a_fleet_to_continue<Fleet<Ud<Pack<double, 4>, 3>>>(p);
-    expect_a_fleet_to_continue<Fleet<Conventional<Pack<double, 4>>>>(p);
-    p.prior = std::nullopt;
-    expect_a_fleet_to_continue<Fleet<Information<Pack<double, 4>>>>(p);
-    expect_a_fleet_to_continue<Fleet<Gentleman<Pack<double, 4>>>>(p);
-}
 /// Whether the law sees that member i is missing from the list. It holds for the members that these rows need: what a
 /// look at one coordinate corrects, or what counts, is not among them.
 template <class F, size_t i>
 bool is_missed() {
     for (int before : {20, 250}) {
-        F f = Made<F>::saved(), g = Made<F>::other();
-        reports(f, before, Seed{11});
+        F const f = after(Made<F>::saved(), before, Seed{11});
+        F g = Made<F>::other();
         auto to = F::state(g);
-        auto const from = F::state(std::as_const(f));
+        auto const from = F::state(f);
         [&]<size_t... j>(std::index_sequence<j...>) {
             ((j == i ? void() : void(std::get<j>(to) = std::get<j>(from))), ...);
         }(std::make_index_sequence<std::tuple_size_v<decltype(to)>>());
-        if (!same(reports(f, 900, Seed{13}), reports(g, 900, Seed{13})) || bytes_of(f) != bytes_of(g)) return true;
+        if (!twins::parted(from_here(f), from_here(g)).empty()) return true;
     }
     return false;
 }
@@ -223,8 +194,7 @@ TEST(StateSaboteur, AListThatForgetsAMemberOfWhatIsAroundIsCaught) {
 /// Each bit flipped, each length, each byte gone or twice.
 template <class F>
 int accepted() {
-    F f = Made<F>::saved();
-    reports(f, 60, Seed{3});
+    F const f = after(Made<F>::saved(), 60, Seed{3});
     Bytes const whole = bytes_of(f);
     F g = Made<F>::other();
     Bytes const before = bytes_of(g);
@@ -264,8 +234,7 @@ Bytes forged(Bytes bytes, size_t at, std::uint64_t number) {
 /// an end.
 TEST(State, OfAWindowHoldsNoPlaceOutsideItsRing) {
     using W = Windowed<Ud<float, 3>>;
-    W f = Made<W>::saved();
-    reports(f, 5, Seed{3});
+    W const f = after(Made<W>::saved(), 5, Seed{3});
     Bytes const whole = bytes_of(f);
     W g = Made<W>::other();
     Bytes const before = bytes_of(g);
@@ -283,8 +252,7 @@ TEST(State, OfAWindowHoldsNoPlaceOutsideItsRing) {
 /// A rule goes round the coordinates by the number of its rows, the last number of its state.
 TEST(State, OfARuleHoldsNoNumberOfRowsBelowNone) {
     using F = Forgetting<Ud<double, 3>, RotatingRidge<double>>;
-    F f({.size = 3});
-    reports(f, 5, Seed{3});
+    F const f = after(F({.size = 3}), 5, Seed{3});
     Bytes const whole = bytes_of(f);
     F g({.size = 3});
     size_t const last = whole.size() - StateHeader::checksum - 8;

@@ -60,6 +60,9 @@ std::vector<Composition> compositions() {
 TEST(Filters, AreThoseOfTheNativeLayerAloneAndComposed) {
     auto psi = numbers(rows * d, 3), y = numbers(rows, 4);
     y[90] = 50;  // an outlier
+    constexpr std::size_t stride = d + 3;
+    auto const apart = numbers(rows * stride, 5);
+    auto const floats = numbers<float>(rows * stride, 6), y_floats = numbers<float>(rows, 7);
     std::size_t made = 0, refused = 0;
     for (Composition const& composition : compositions())
         for (std::string_view const variant : native::variants())
@@ -88,11 +91,24 @@ TEST(Filters, AreThoseOfTheNativeLayerAloneAndComposed) {
                 EXPECT_EQ(state_of(filter.get()), state);
                 rlslab_filter* alike = nullptr;
                 ASSERT_EQ(rlslab_from_state(state.data(), state.size(), &alike), RLSLAB_OK) << rlslab_message();
-                FilterHandle const found(alike), going_on = copy_of(filter.get());
+                FilterHandle const found(alike), copied = copy_of(filter.get());
                 EXPECT_EQ(state_of(alike), state);
-                for (rlslab_filter* f : {alike, going_on.get()})
-                    rlslab_update_many(f, psi.data(), rows, 0, y.data(), nullptr);
-                EXPECT_EQ(state_of(alike), state_of(going_on.get()));
+                EXPECT_EQ(state_of(copied.get()), state);
+                auto const further = expected->clone();
+                std::vector<rlslab_step> steps(rows);  // rows apart, with steps and without, in either arithmetic
+                std::vector<native::Step> expected_steps(rows);
+                rlslab_update_many(alike, apart.data(), rows, stride, y.data(), steps.data());
+                further->update_many(apart.data(), rows, stride, y.data(), expected_steps.data());
+                EXPECT_EQ(std::memcmp(steps.data(), expected_steps.data(), rows * sizeof steps[0]), 0);
+                rlslab_update_many_f32(alike, floats.data(), rows, stride, y_floats.data(), nullptr);
+                further->update_many(floats.data(), rows, stride, y_floats.data(), nullptr);
+                rlslab_step step;
+                rlslab_update_f32(alike, floats.data(), y_floats[0], &step);
+                EXPECT_TRUE(same(step, further->update(floats.data(), y_floats[0])));
+                std::vector<std::byte> later(further->state_size());
+                further->save(later);
+                EXPECT_EQ(state_of(alike), later);
+                EXPECT_EQ(state_of(filter.get()), state) << "a copy goes on alone";
                 EXPECT_EQ(rlslab_health(filter.get()), expected->health());
                 EXPECT_EQ(rlslab_signal(filter.get()), expected->signal());
                 rlslab_counts counts;
@@ -105,44 +121,6 @@ TEST(Filters, AreThoseOfTheNativeLayerAloneAndComposed) {
             }
     EXPECT_GT(made, 150u);
     EXPECT_GT(refused, 0u);
-}
-
-template <class T>
-rlslab_status update_many(rlslab_filter* filter, T const* psi, std::size_t count, std::size_t stride, T const* y,
-                          rlslab_step* steps) {
-    if constexpr (std::same_as<T, float>) return rlslab_update_many_f32(filter, psi, count, stride, y, steps);
-    else return rlslab_update_many(filter, psi, count, stride, y, steps);
-}
-/// Many rows, by stride, with steps and without, leave the state of one after another.
-template <class T>
-void many_rows() {
-    constexpr std::size_t stride = d + 3;
-    auto const psi = numbers<T>(rows * stride, 5), y = numbers<T>(rows, 6);
-    for (std::string const& variant : names(RLSLAB_VARIANTS))
-        for (std::string const& arithmetic : names(RLSLAB_ARITHMETICS)) {
-            SCOPED_TRACE(variant + " " + arithmetic);
-            FilterHandle const one = filter_of(variant.c_str(), arithmetic.c_str(), options_of(d, 0.98)),
-                               all = filter_of(variant.c_str(), arithmetic.c_str(), options_of(d, 0.98)),
-                               fast = filter_of(variant.c_str(), arithmetic.c_str(), options_of(d, 0.98));
-            std::vector<rlslab_step> steps(rows);
-            ASSERT_EQ(update_many(all.get(), psi.data(), rows, stride, y.data(), steps.data()), RLSLAB_OK);
-            ASSERT_EQ(update_many(fast.get(), psi.data(), rows, stride, y.data(), nullptr), RLSLAB_OK);
-            for (std::size_t k = 0; k < rows; ++k) {
-                rlslab_step step;
-                if constexpr (std::same_as<T, float>) rlslab_update_f32(one.get(), &psi[k * stride], y[k], &step);
-                else rlslab_update(one.get(), &psi[k * stride], y[k], &step);
-                ASSERT_EQ(std::memcmp(&step, &steps[k], sizeof step), 0) << k;
-            }
-            EXPECT_EQ(state_of(all.get()), state_of(one.get()));
-            EXPECT_EQ(theta_of(all.get()), theta_of(one.get()));
-            if (variant != "qr_block") {
-                EXPECT_EQ(state_of(fast.get()), state_of(one.get()));
-            }
-        }
-}
-TEST(Filters, ManyRowsLeaveTheStateOfOneAfterAnother) {
-    many_rows<double>();
-    many_rows<float>();
 }
 
 TEST(Filters, ACopyGoesOnAloneAndAResetBeginsAnew) {

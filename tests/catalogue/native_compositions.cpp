@@ -1,9 +1,7 @@
 // Compositions by name have the bits, the states and the counts of the C++ types, in the native layer and in the lab's.
 #include <rlslab/catalogue/composed.hpp>
-#include <rlslab/catalogue/native/filter.hpp>
-#include "tests/common/composed.hpp"
+#include "tests/catalogue/by_name.hpp"
 
-#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/arithmetic/quad.hpp>
@@ -17,87 +15,10 @@
 namespace rlslab {
 namespace {
 
-using namespace composed_laws;
+using namespace by_name;
 using native::Filter;
 using native::Options;
 using testing::HasSubstr;
-
-/// Outliers, a change, and a stretch of silence, in which P winds up.
-Records const& records() {
-    static Records const all = [] {
-        Records out = rows_of(500, 100, 250, Seed{21});
-        out.psi.middleCols(300, 60).setZero();
-        out.psi(1, 420) = std::numeric_limits<double>::quiet_NaN();
-        return out;
-    }();
-    return all;
-}
-template <class F>
-std::vector<std::byte> state_bytes_of(F const& f) {
-    std::vector<std::byte> out;
-    if constexpr (NamesItsState<F>) {
-        out.resize(state_size(f));
-        save(f, std::span(out));
-    } else {
-        out.resize(f.state_size());
-        f.save(out);
-    }
-    return out;
-}
-/// The same rows into both: the same state after each, and either's state goes on in the other.
-template <class F>
-void expect_alike(F typed, std::unique_ptr<Filter> filter) {
-    using T = typename F::scalar;
-    F const start = typed;
-    auto const fresh = filter->clone();
-    std::unique_ptr<Filter> found;  // from the state alone
-    std::vector<double> theta(d), gain(d);
-    for (Index k = 0; k < records().rows(); ++k) {
-        Vector<T> const psi = records().psi.col(k).cast<T>();
-        auto const a = typed.update(psi, T(records().y[k]));
-        auto const b = filter->update(psi.data(), T(records().y[k]));
-        ASSERT_EQ(std::int32_t(a.health), b.health) << k;
-        ASSERT_TRUE(double(a.gamma) == b.gamma || a.gamma != a.gamma) << k;
-        ASSERT_EQ(state_bytes_of(typed), state_bytes_of(*filter)) << k;
-        if (found) {
-            found->update(psi.data(), T(records().y[k]));
-            ASSERT_EQ(state_bytes_of(*found), state_bytes_of(*filter)) << k;
-        }
-        filter->theta(theta.data());
-        filter->gain(gain.data());
-        Vector<T> const theirs = typed.theta(), K = typed.gain();
-        for (Index i = 0; i < d; ++i) {
-            ASSERT_TRUE(double(theirs[i]) == theta[std::size_t(i)] || theirs[i] != theirs[i]) << k;
-            ASSERT_TRUE(double(K[i]) == gain[std::size_t(i)] || K[i] != K[i]) << k;
-        }
-        if constexpr (requires { typed.signal(); }) {
-            ASSERT_EQ(std::int32_t(typed.signal()), filter->signal()) << k;
-            ASSERT_EQ(filter->signal(), b.signal);
-        }
-        if (k == records().rows() / 2) {
-            F other = start;
-            auto const another = fresh->clone();
-            std::vector<std::byte> const state = state_bytes_of(typed);
-            ASSERT_EQ(load(other, state_bytes_of(*filter)), StateFault::none);
-            another->load(state);
-            ASSERT_EQ(state_bytes_of(other), state);
-            ASSERT_EQ(state_bytes_of(*another), state);
-            filter = another->clone();
-            found = native::from_state(state);
-            ASSERT_EQ(state_bytes_of(*found), state);
-            ASSERT_EQ(found->variant(), filter->variant());
-        }
-    }
-    if constexpr (requires { typed.counts(); }) {
-        EXPECT_EQ(filter->counts().outliers, typed.counts().outliers);
-        EXPECT_EQ(filter->counts().windups, typed.counts().windups);
-        EXPECT_EQ(filter->counts().changes, typed.counts().changes);
-        EXPECT_EQ(filter->counts().unusable, typed.counts().unusable);
-        EXPECT_GT(filter->counts().outliers + filter->counts().unusable, 0);
-    }
-    filter->reset();
-    EXPECT_EQ(state_bytes_of(*filter), state_bytes_of(start));
-}
 
 TEST(Native, AComposedFilterKeepsItsVariantsName) {
     std::string name = "ud";
@@ -114,10 +35,6 @@ using Both = testing::Types<float, double>;
 TYPED_TEST_SUITE(NativeCompositions, Both);
 
 template <class T>
-Problem<T> problem(double forgetting) {
-    return {.size = d, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(64)}};
-}
-template <class T>
 std::unique_ptr<Filter> made(std::string_view variant, Options options) {
     options.size = d;
     options.prior_variance = 64;
@@ -127,69 +44,65 @@ std::unique_ptr<Filter> made(std::string_view variant, Options options) {
 TYPED_TEST(NativeCompositions, Guards) {
     using T = TypeParam;
     auto const p = problem<T>(0.98);
-    expect_alike(Guarded<Ud<T>, reporting>(p), made<T>("ud", {.forgetting = 0.98, .guard = "report"}));
-    expect_alike(Guarded<Ud<T>, resetting>(p), made<T>("ud", {.forgetting = 0.98, .guard = "reset"}));
-    expect_alike(Guarded<Conventional<T>, rebuilding>(p),
-                 made<T>("conventional", {.forgetting = 0.98, .guard = "rebuild"}));
-    expect_alike(Guarded<Qr<T>, resetting>(p), made<T>("qr", {.forgetting = 0.98, .guard = "reset"}));
-    expect_alike(Guarded<Information<T>, resetting>(p), made<T>("information", {.forgetting = 0.98, .guard = "reset"}));
+    auto const guard = [](std::string_view policy) { return Options{.forgetting = 0.98, .guard = policy}; };
+    expect_alike(Guarded<Ud<T>, reporting>(p), guard("report"));
+    expect_alike(Guarded<Ud<T>, resetting>(p), guard("reset"));
+    expect_alike(Guarded<Conventional<T>, rebuilding>(p), guard("rebuild"));
+    expect_alike(Guarded<Qr<T>, resetting>(p), guard("reset"));
+    expect_alike(Guarded<Information<T>, resetting>(p), guard("reset"));
+    Options of_numbers = guard("reset");
+    of_numbers.largest_variance = 100, of_numbers.innovation = 4, of_numbers.noise_memory = 50;
     expect_alike(
         Guarded<Gentleman<T>, resetting>(p, {.largest_variance = T(100), .innovation = T(4), .noise_memory = 50}),
-        made<T>("gentleman",
-                {.forgetting = 0.98, .guard = "reset", .largest_variance = 100, .innovation = 4, .noise_memory = 50}));
+        of_numbers);
 }
 TYPED_TEST(NativeCompositions, Windows) {
     using T = TypeParam;
-    expect_alike(Windowed<Ud<T>>(problem<T>(1), {.rows = 20}), made<T>("ud", {.window = 20}));
-    expect_alike(Windowed<Qr<T>>(problem<T>(0.99), {.rows = 20}), made<T>("qr", {.forgetting = 0.99, .window = 20}));
-    expect_alike(Windowed<Symmetric<T>>(problem<T>(1), {.rows = 33}), made<T>("symmetric", {.window = 33}));
-    Windowed<Ud<T>> const window(problem<T>(1), {.rows = 20});
-    expect_alike(Guarded<Windowed<Ud<T>>, resetting>(window, problem<T>(1)),
-                 made<T>("ud", {.window = 20, .guard = "reset"}));
+    auto const p = problem<T>(1);
+    expect_alike(Windowed<Ud<T>>(p, {.rows = 20}), {.window = 20});
+    expect_alike(Windowed<Qr<T>>(problem<T>(0.99), {.rows = 20}), {.forgetting = 0.99, .window = 20});
+    expect_alike(Windowed<Symmetric<T>>(p, {.rows = 33}), {.window = 33});
+    expect_alike(Guarded<Windowed<Ud<T>>, resetting>(Windowed<Ud<T>>(p, {.rows = 20}), p),
+                 {.window = 20, .guard = "reset"});
 }
 TYPED_TEST(NativeCompositions, Rules) {
     using T = TypeParam;
     auto const p = problem<T>(1), below = problem<T>(0.99);
-    double const kulhavy[] = {0.95, 0.5}, fortescue[] = {0.02}, ridge[] = {0.01}, reset[] = {50}, walk[] = {0.001};
-    expect_alike(Forgetting<Ud<T>, Kulhavy<T>>(p, {.forgetting = T(0.95), .least_excitation = T(0.5)}),
-                 made<T>("ud", {.control = "kulhavy", .control_numbers = kulhavy}));
+    static double const kulhavy[] = {0.95, 0.5}, fortescue[] = {0.02, 50, 0.25}, ridge[] = {0.01}, reset[] = {50, 64},
+                        walk[] = {0.001};
+    auto const ruled = [](std::string_view rule, std::span<double const> numbers, double forgetting = 1) {
+        return Options{.forgetting = forgetting, .control = rule, .control_numbers = numbers};
+    };
+    using K = Kulhavy<T>;
+    K const by_kulhavy{.forgetting = T(0.95), .least_excitation = T(0.5)};
+    expect_alike(Forgetting<Ud<T>, K>(p, by_kulhavy), ruled("kulhavy", kulhavy));
     expect_alike(Forgetting<Qr<T>, CaoSchwartz<T>>(p, {.forgetting = T(0.95), .least_excitation = T(0.5)}),
-                 made<T>("qr", {.control = "cao_schwartz", .control_numbers = kulhavy}));
-    expect_alike(Forgetting<Gentleman<T>, Kulhavy<T>>(p), made<T>("gentleman", {.control = "kulhavy"}));
-    expect_alike(Forgetting<Potter<T>, Fortescue<T>>(p, {.noise_variance = T(0.02)}),
-                 made<T>("potter", {.control = "fortescue", .control_numbers = fortescue}));
-    expect_alike(Forgetting<Conventional<T>, RotatingRidge<T>>(below, {.ridge = T(0.01)}),
-                 made<T>("conventional", {.forgetting = 0.99, .control = "ridge", .control_numbers = ridge}));
-    expect_alike(Forgetting<Qr<T>, CovarianceReset<T>>(p, {.period = 50, .variance = T(64)}),
-                 made<T>("qr", {.control = "reset", .control_numbers = reset}));
-    expect_alike(Forgetting<Carlson<T>, RandomWalk<T>>(p, {.variance = T(0.001)}),
-                 made<T>("carlson", {.control = "random_walk", .control_numbers = walk}));
-    expect_alike(Kalman<T>(p, Matrix<T>(Matrix<T>::Identity(d, d) * T(0.001))),
-                 made<T>("kalman", {.control = "random_walk", .control_numbers = walk}));
-    expect_alike(Guarded<Forgetting<Ud<T>, Kulhavy<T>>, resetting>(
-                     Forgetting<Ud<T>, Kulhavy<T>>(p, {.forgetting = T(0.95), .least_excitation = T(0.5)}), p),
-                 made<T>("ud", {.guard = "reset", .control = "kulhavy", .control_numbers = kulhavy}));
-    expect_alike(Ud<T>(p), made<T>("ud", {.control = "constant"}));
+                 ruled("cao_schwartz", kulhavy));
+    expect_alike(Forgetting<Potter<T>, Fortescue<T>>(p, {.noise_variance = T(0.02), .memory = T(50), .least = T(0.25)}),
+                 ruled("fortescue", fortescue));
+    expect_alike(Forgetting<Conventional<T>, RotatingRidge<T>>(below, {.ridge = T(0.01)}), ruled("ridge", ridge, 0.99));
+    expect_alike(Forgetting<Qr<T>, CovarianceReset<T>>(p, {.period = 50, .variance = T(64)}), ruled("reset", reset));
+    expect_alike(Forgetting<Carlson<T>, RandomWalk<T>>(p, {.variance = T(0.001)}), ruled("random_walk", walk));
+    expect_alike(Kalman<T>(p, Matrix<T>(Matrix<T>::Identity(d, d) * T(0.001))), ruled("random_walk", walk));
+    Options guarded = ruled("kulhavy", kulhavy);
+    guarded.guard = "reset";
+    expect_alike(Guarded<Forgetting<Ud<T>, K>, resetting>(Forgetting<Ud<T>, K>(p, by_kulhavy), p), guarded);
+    expect_alike(Ud<T>(p), ruled("constant", {}));
 }
-TYPED_TEST(NativeCompositions, ManyRowsAreThoseOneByOne) {
-    using T = TypeParam;
-    Matrix<T> const psi = records().psi.cast<T>();
-    Vector<T> const y = records().y.cast<T>();
-    auto const a = made<T>("qr", {.window = 20, .guard = "reset"}), b = a->clone();
-    std::vector<native::Step> steps(std::size_t(y.size()));
-    a->update_many(psi.data(), y.size(), 0, y.data(), nullptr);
-    b->update_many(psi.data(), y.size(), 0, y.data(), steps.data());
-    EXPECT_EQ(state_bytes_of(*a), state_bytes_of(*b));
-    EXPECT_EQ(std::ranges::count(steps, std::int32_t(GuardSignal::outlier), &native::Step::signal) +
-                  std::ranges::count(steps, std::int32_t(GuardSignal::change), &native::Step::signal),
-              a->counts().outliers);
+TEST(NativeCompositions, NumbersThatAreLeftOutHaveTheirDefaults) {
+    static double const period[] = {50};
+    auto const p = problem<double>(1);
+    EXPECT_EQ(saved(*made<double>("qr", {.control = "reset", .control_numbers = period})),
+              TypedAs(Forgetting<Qr<double>, CovarianceReset<double>>(p, {.period = 50, .variance = 64})).saved());
+    EXPECT_EQ(saved(*made<double>("gentleman", {.control = "kulhavy"})),
+              TypedAs(Forgetting<Gentleman<double>, Kulhavy<double>>(p)).saved());
 }
 TYPED_TEST(NativeCompositions, TimePassesAsInTheType) {
     using T = TypeParam;
     Guarded<Ud<T>> typed(problem<T>(0.9));
     auto const filter = made<T>("ud", {.forgetting = 0.9, .guard = "reset"});
     for (int k = 0; k < 100; ++k) typed.pass_time(), filter->pass_time();
-    EXPECT_EQ(state_bytes_of(typed), state_bytes_of(*filter));
+    EXPECT_EQ(state_of(typed), saved(*filter));
     EXPECT_EQ(filter->counts().windups, typed.counts().windups);
     EXPECT_GT(filter->counts().windups, 0);
 }
@@ -198,7 +111,7 @@ TEST(NativeCompositions, StatesOfOtherCompositionsAreRefused) {
     auto const reported = made<double>("ud", {.guard = "report"}), window = made<double>("ud", {.window = 20});
     auto const refused = [](Filter& f, Filter const& from) {
         try {
-            f.load(state_bytes_of(from));
+            f.load(saved(from));
         } catch (std::invalid_argument const& error) {
             return std::string(error.what());
         }
@@ -251,7 +164,7 @@ TYPED_TEST(NativeCompositions, FleetsHaveTheBitsOfTheType) {
     }
     std::vector<std::byte> state(fleet->state_size());
     fleet->save(state);
-    EXPECT_EQ(state, state_bytes_of(typed));
+    EXPECT_EQ(state, state_of(typed));
     std::vector<double> theta(d);
     for (Index m = 0; m < filters; ++m) {
         fleet->theta(m, theta.data());
@@ -262,7 +175,7 @@ TYPED_TEST(NativeCompositions, FleetsHaveTheBitsOfTheType) {
     copy->reset(2);
     typed.reset(2);
     copy->save(state);
-    EXPECT_EQ(state, state_bytes_of(typed));
+    EXPECT_EQ(state, state_of(typed));
     fleet->load(state);
     EXPECT_THROW(fleet->load(std::span(state).first(20)), std::invalid_argument);
     EXPECT_THROW(fleet->theta(filters, theta.data()), std::invalid_argument);
@@ -303,18 +216,20 @@ TEST(NativeFromState, WhatHasNoNameIsRefusedInOneLine) {
                 HasSubstr("other options"));
     EXPECT_THAT(refusal_of_state(state_of(Windowed<Ud<double>>(p, {.rows = 9, .worse = 3}))),
                 HasSubstr("other options"));
-    EXPECT_THAT(refusal_of_state(state_bytes_of(*native::make_fleet("ud", "double", 3, {.size = 2}))),
-                HasSubstr("fleet"));
+    auto const fleet = native::make_fleet("ud", "double", 3, {.size = 2});
+    std::vector<std::byte> state(fleet->state_size());
+    fleet->save(state);
+    EXPECT_THAT(refusal_of_state(state), HasSubstr("fleet"));
 }
 TEST(NativeFromState, AWalkOfKalmansOwnIsAmongItsNumbers) {
     double const variance[] = {0.25}, psi[] = {1, 2};
     auto const filter =
         native::make("kalman", "double", {.size = 2, .control = "random_walk", .control_numbers = variance});
     filter->update(psi, 1.0);
-    auto const found = native::from_state(state_bytes_of(*filter));
+    auto const found = native::from_state(saved(*filter));
     filter->update(psi, 2.0);
     found->update(psi, 2.0);
-    EXPECT_EQ(state_bytes_of(*found), state_bytes_of(*filter));
+    EXPECT_EQ(saved(*found), saved(*filter));
 }
 /// Whatever a byte of header and entries is changed to, with the checksum made right: a filter, or one line.
 TEST(NativeFromState, ForgedBytesAskForNoMemory) {
@@ -322,8 +237,10 @@ TEST(NativeFromState, ForgedBytesAskForNoMemory) {
     for (Options const& options :
          {Options{.size = 2, .window = 9, .guard = "reset"},
           Options{.size = 2, .guard = "rebuild", .control = "kulhavy", .control_numbers = number}}) {
-        std::vector<std::byte> const whole = state_bytes_of(*native::make("ud", "float", options));
-        std::size_t const first = StateHeader::size + entries_in(whole).size();
+        std::vector<std::byte> const whole = saved(*native::make("ud", "float", options));
+        StateHeader header;
+        ASSERT_EQ(StateHeader::read(whole, header), StateFault::none);
+        std::size_t const first = StateHeader::size + entries_in(header, whole).size();
         for (std::size_t at = 8; at < first; ++at)
             for (int const change : {1, 0x40, 0x80, 0xff}) {
                 std::vector<std::byte> forged = whole;

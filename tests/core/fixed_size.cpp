@@ -1,4 +1,6 @@
 // A filter of fixed size needs no Problem::size, and is the same filter with it.
+#include "tests/common/twins.hpp"
+
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/state/merge.hpp>
@@ -10,60 +12,42 @@
 namespace rlslab {
 namespace {
 
-template <class T>
-bool same_bits(Stored<T> const& a, Stored<T> const& b) {
-    return a.F == b.F && a.D == b.D;
+/// Theta and what is stored.
+template <class F>
+twins::Left held(F const& f) {
+    return twins::Left().add("theta", f.theta()).add("F", f.stored().F).add("D", f.stored().D);
 }
-
-/// The bits after 20 rows of a filter whose size is implied and of one whose size is given.
-template <template <class, int> class F, class T>
-void check(std::optional<Prior<T>> const& prior) {
-    F<T, 3> implied({.forgetting = T(0.96875), .prior = prior}),
-        given({.size = 3, .forgetting = T(0.96875), .prior = prior});
-    EXPECT_TRUE(same_bits(implied.stored(), given.stored())) << F<T, 3>::name;
-    Seed seed{4};
-    for (int k = 0; k < 20; ++k) {
-        T const psi[3] = {T(seed.bell()), T(seed.bell()), T(seed.bell())}, y = T(seed.bell());
-        Step<T> const step = implied.update({psi, 3}, y);
-        EXPECT_EQ(step.health, given.update({psi, 3}, y).health) << F<T, 3>::name;
+template <class F>
+bool is_refused(Problem<typename F::scalar> const& problem) {
+    try {
+        F const made(problem);
+        return false;
+    } catch (std::invalid_argument const&) {
+        return true;
     }
-    EXPECT_TRUE(same_bits(implied.stored(), given.stored())) << F<T, 3>::name;
-    EXPECT_EQ(Vector<T>(implied.theta()), Vector<T>(given.theta())) << F<T, 3>::name;
-    EXPECT_THROW((F<T, 3>({.size = 4})), std::invalid_argument) << F<T, 3>::name;
-    EXPECT_THROW((F<T, 3>({.size = -1})), std::invalid_argument) << F<T, 3>::name;
-    EXPECT_THROW((F<T, 3>({.prior = Prior<T>{.theta = Vector<T>(2)}})), std::invalid_argument) << F<T, 3>::name;
-    EXPECT_THROW((F<T, 3>({.prior = Prior<T>{.covariance = Matrix<T>(2, 2)}})), std::invalid_argument) << F<T, 3>::name;
 }
-
-/// From the default prior, and from a full one with a theta.
-template <template <class, int> class F>
-void check_priors() {
-    check<F, double>(Prior<double>{});
-    Prior<double> full{.theta = Vector<double>{{1, -0.5, 2}}};
+void expect_refusals(std::string_view name, std::initializer_list<bool> refused) {
+    EXPECT_EQ(std::vector(refused), std::vector(refused.size(), true)) << name;
+}
+/// From the default prior, from a full one with a theta, and from none.
+template <class F>
+void check() {
+    using P = Prior<double>;
+    P full{.theta = Vector<double>{{1, -0.5, 2}}};
     full.covariance = Matrix<double>{{4.0, 1.0, 0.5}, {1.0, 3.0, 0.25}, {0.5, 0.25, 2.0}};
-    check<F, double>(full);
-    if constexpr (StartsWithoutPrior<F<double, 3>>) check<F, double>(std::nullopt);
+    twins::Rows const rows = twins::taken({Seed{4}}, 20);
+    for (std::optional<P> const& prior : {std::optional(P{}), std::optional(full), std::optional<P>()})
+        if (prior || StartsWithoutPrior<F>)
+            twins::expect_one(F::name, twins::trace(F({.forgetting = 0.96875, .prior = prior}), rows),
+                              twins::trace(F({.size = 3, .forgetting = 0.96875, .prior = prior}), rows));
+    expect_refusals(F::name, {is_refused<F>({.size = 4}), is_refused<F>({.size = -1}),
+                              is_refused<F>({.prior = P{.theta = Vector<double>(2)}}),
+                              is_refused<F>({.prior = P{.covariance = Matrix<double>(2, 2)}})});
 }
-
 TEST(FixedSize, ImpliesTheProblems) {
-    check_priors<Conventional>();
-    check_priors<ConventionalTwoSided>();
-    check_priors<Symmetric>();
-    check_priors<Joseph>();
-    check_priors<JosephRankTwo>();
-    check_priors<Potter>();
-    check_priors<Carlson>();
-    check_priors<CarlsonDelta>();
-    check_priors<Ud>();
-    check_priors<UdDelta>();
-    check_priors<InverseQr>();
-    check_priors<InverseQrDelta>();
-    check_priors<Kalman>();
-    check_priors<Information>();
-    check_priors<Qr>();
-    check_priors<Gentleman>();
-    check_priors<ExtendedQr>();
-    check_priors<QrBlock>();
+    for_each(Variants<double>{}, []<class F>() {
+        if constexpr (!std::is_void_v<AtSize<F, 3>>) check<AtSize<F, 3>>();
+    });
 }
 TEST(FixedSize, IsNotImpliedForADynamicFilter) {
     EXPECT_THROW(Ud<double>({.forgetting = 0.5}), std::invalid_argument);
@@ -80,12 +64,12 @@ TEST(FixedSize, ImpliesThatOfAStoredPriorAndOfWhatIsMerged) {
     Seed seed{5};
     for (Part<F>* part : {&a, &b})
         for (; part->rows < 10; ++part->rows) part->filter.update({seed.bell(), seed.bell(), seed.bell()}, seed.bell());
-    EXPECT_TRUE(same_bits(F({.prior = Prior<double>{.stored = a.filter.stored()}}).stored(), a.filter.stored()));
+    EXPECT_EQ(F({.prior = Prior<double>{.stored = a.filter.stored()}}).stored().F, a.filter.stored().F);
     EXPECT_THROW(F({.prior = Prior<double>{.stored = Ud<double>({.size = 2}).stored()}}), std::invalid_argument);
     auto const implied = merged(a, b, {.forgetting = 0.96875}),
                given = merged(a, b, {.size = 3, .forgetting = 0.96875});
     ASSERT_TRUE(implied && given);
-    EXPECT_TRUE(same_bits(implied->filter.stored(), given->filter.stored()));
+    twins::expect_one("merged", held(implied->filter), held(given->filter));
     EXPECT_THROW((void)merged(a, b, {.size = 2}), std::invalid_argument);
 }
 /// A filter of one size in what is made for a problem of another: refused when it is made, not at the first row.

@@ -1,4 +1,4 @@
-/* The lines of bits.cpp, which has what is computed, from C. */
+/* The lines of tests/portability/digest.cpp, which has what is computed, from C. */
 #include <rlslab.h>
 
 #include <stdio.h>

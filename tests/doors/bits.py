@@ -1,4 +1,4 @@
-"""The lines of bits.cpp, which has what is computed, from Python's ctypes."""
+"""The lines of tests/portability/digest.cpp, which has what is computed, from Python's ctypes."""
 import os
 import struct
 import sys

@@ -1,4 +1,4 @@
-// The lines of bits.cpp, which has what is computed, from Rust.
+// The lines of tests/portability/digest.cpp, which has what is computed, from Rust.
 #[path = "../../examples/rust/rlslab.rs"]
 mod rlslab;
 use rlslab::{names, Filter, List};

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # doors.sh BUILD_DIR BITS WORK_DIR LANGUAGE...: the C interface from each language, against an installation. BITS is the
-# program of bits.cpp. For each: its example is built from its folder and prints what its page says; the hashes after
-# 1000 rows are those of C++; and each loads the states of every other, and goes on to the same hashes.
+# program of tests/portability/digest.cpp. For each: its example is built from its folder and prints what its page says;
+# the hashes after 1000 rows are those of C++; and each loads the states of every other, and goes on to the same hashes.
 set -euo pipefail
 build=$1 cpp=$(realpath -- "$2") work=$3
 shift 3

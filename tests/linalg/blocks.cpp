@@ -19,19 +19,6 @@ class Blocks : public testing::Test {};
 using HardwareArithmetics = testing::Types<float, double>;
 TYPED_TEST_SUITE(Blocks, HardwareArithmetics);
 
-/// run(set, evaluate) for the registers of each instruction set, whichever of them dispatch.hpp would choose.
-template <class T, class Run>
-void on_each_set(Run run) {
-    run("16 bytes", []<class K>(K const& k) { portable::run_outlined<portable::InRegisters<K, T, 16>>(k); });
-#ifdef __x86_64__
-    if (best_isa() >= Isa::avx2)
-        run("AVX2", []<class K>(K const& k) { avx2::run_outlined<avx2::InRegisters<K, T, 32>>(k); });
-    if constexpr (sizeof(T) == 8)
-        if (best_isa() >= Isa::avx512)
-            run("AVX-512", []<class K>(K const& k) { avx512::run_outlined<avx512::InRegisters<K, T, 64>>(k); });
-#endif
-}
-
 /// A symmetric square, two vectors along it, and the x of a product; what is padding is no number.
 template <class T>
 struct Operands {
@@ -116,27 +103,15 @@ template <class T, int N>
 void check_recursion(Index d, Index rows = 12) {
     for (Kind kind : kinds) {
         Problem<T> const problem{.size = d, .forgetting = T(0.984375)};
-        Symmetric<T, N> blocks(problem), known(problem);
-        SymmetricOnASquare<T, N> square(problem);
-        Seed seed{std::uint64_t(d)};
+        twins::Rows const given = rows_of<T>(d, rows, kind, Seed{std::uint64_t(d)});
+        auto const square = twins::trace(SymmetricOnASquare<T, N>(problem), given);
+        twins::expect_one("in blocks", twins::trace(Symmetric<T, N>(problem), given), square);
+        Symmetric<T, N> known(problem);
         Matrix<T> psi(d, rows);
         Vector<T> y(rows);
-        for (T& x : psi.reshaped()) x = number<T>(seed, kind);
-        for (T& x : y) x = number<T>(seed, kind);
-        auto const shown = [](auto const& f) {
-            Matrix<T> const P = f.covariance();
-            std::vector<T> out(P.reshaped().begin(), P.reshaped().end());
-            out.insert(out.end(), f.theta().begin(), f.theta().end());
-            return out;
-        };
-        for (Index k = 0; k < rows; ++k) {
-            Step<T> const a = blocks.update({psi.col(k).data(), d}, y[k]),
-                          b = square.update({psi.col(k).data(), d}, y[k]);
-            ASSERT_TRUE(known_rows::same(a.gamma, b.gamma) && a.health == b.health) << d << ", row " << k;
-            ASSERT_TRUE(known_rows::same(shown(blocks), shown(square))) << d << ", row " << k;
-        }
-        rows_at_once(known, RowsOf<T>(psi), OutputsOf<T>(y));
-        ASSERT_TRUE(known_rows::same(shown(known), shown(square))) << d;
+        for (twins::Row<double> const& row : given) psi.col(row.k) = row.psi.template cast<T>(), y[row.k] = T(row.y);
+        Step<T> const last = rows_at_once(known, RowsOf<T>(psi), OutputsOf<T>(y));
+        twins::expect_one("known in advance", twins::left_by(known, last), square.back());
     }
 }
 TYPED_TEST(Blocks, CarryTheRecursionOfASquare) {

@@ -1,7 +1,10 @@
 // Numbers that rows are made of, and equality to the bit.
 #pragma once
 
-#include <rlslab/core/random.hpp>
+#include "tests/common/each_isa.hpp"
+#include "tests/common/twins.hpp"
+
+#include <rlslab/linalg/sweeps.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -45,6 +48,31 @@ bool same(std::vector<T> const& a, std::vector<T> const& b) {
     return std::ranges::equal(a, b, [](T x, T y) { return same(x, y); });
 }
 
-// --- the kernel ------------------------------------------------------------------------------------------------------
+/// So many rows of d such numbers.
+template <class T>
+twins::Rows rows_of(Index d, Index count, Kind kind, Seed seed) {
+    twins::Rows out;
+    for (Index k = 0; k < count; ++k) {
+        out.push_back({Vector<double>(d), 0, 1, k});
+        for (double& x : out.back().psi) x = double(number<T>(seed, kind));
+        out.back().y = double(number<T>(seed, kind));
+    }
+    return out;
+}
+
+/// run(set, evaluate) for the registers of each instruction set, whichever of them dispatch.hpp would choose.
+template <class T, class Run>
+void on_each_set(Run run) {
+    run("16 bytes",
+        []<class K>(K const& k) { kernels::portable::run_outlined<kernels::portable::InRegisters<K, T, 16>>(k); });
+#ifdef __x86_64__
+    if (kernels::best_isa() >= Isa::avx2)
+        run("AVX2", []<class K>(K const& k) { kernels::avx2::run_outlined<kernels::avx2::InRegisters<K, T, 32>>(k); });
+    if constexpr (sizeof(T) == 8)
+        if (kernels::best_isa() >= Isa::avx512)
+            run("AVX-512",
+                []<class K>(K const& k) { kernels::avx512::run_outlined<kernels::avx512::InRegisters<K, T, 64>>(k); });
+#endif
+}
 
 }  // namespace rlslab::known_rows

@@ -71,17 +71,6 @@ struct Operands {
     }
 };
 
-template <class T, class Kernel>
-void run_with_registers(Kernel const& kernel, Isa isa) {
-    using namespace kernels;
-    if (isa == Isa::baseline) portable::run_outlined<portable::InRegisters<Kernel, T, 16>>(kernel);
-#ifdef __x86_64__
-    if (isa == Isa::avx2) avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
-    if constexpr (sizeof(T) == 8)
-        if (isa == Isa::avx512) avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
-#endif
-}
-
 /// 10^5 rows of each arithmetic on each instruction set.
 template <class T>
 void check_kernels() {
@@ -95,14 +84,14 @@ void check_kernels() {
                     Operands<T> formulas = start;
                     formulas.plain(folds);
                     auto const expected = formulas.results(!folds);
-                    for (Isa isa : all_isas) {
-                        if (isa > kernels::isa || (isa == Isa::avx512 && sizeof(T) == 4)) break;
+                    bool equal = true;
+                    on_each_set<T>([&](char const*, auto evaluate) {
                         Operands<T> o = start;
-                        if (folds) run_with_registers<T>(kernels::FoldQr<T>{o.kernel()}, isa);
-                        else run_with_registers<T>(o.kernel(), isa);
-                        ASSERT_TRUE(same(expected, o.results(!folds)))
-                            << d << " parameters on " << name_of(isa) << ", kind " << int(kind) << ", folds " << folds;
-                    }
+                        if (folds) evaluate(kernels::FoldQr<T>{o.kernel()});
+                        else evaluate(o.kernel());
+                        equal = equal && same(expected, o.results(!folds));
+                    });
+                    ASSERT_TRUE(equal) << d << " parameters, kind " << int(kind) << ", folds " << folds;
                     ++cases;
                 }
     EXPECT_GE(cases, 100000);
@@ -112,50 +101,26 @@ TEST(QrRows, OfTheKernelsHaveTheBitsOfTheFormulasInFloat) { check_kernels<float>
 
 // --- the filter ------------------------------------------------------------------------------------------------------
 
-template <class T>
-std::vector<T> held(auto const& f, Step<T> const& step, auto const& number_of) {
-    std::vector<T> out{step.innovation, step.residual, step.gamma, T(int(step.health))};
-    auto const add = [&](auto const& numbers) {
-        for (auto const& x : numbers.reshaped()) out.push_back(number_of(x));
-    };
-    add(Vector<typename std::remove_cvref_t<decltype(f)>::scalar>(f.theta()));
-    auto const stored = f.stored();
-    add(stored.F);
-    return out;
-}
-
 /// In one pass, in two with a look between, and as a lane among others, some of which take another way: the same bits.
 template <class T>
 void check_ways(Kind kind) {
     using P = Pack<T, 4>;
+    auto const in_two = [](Qr<T>& f, twins::Row<T> const& row) { return f.commit(f.look(row.psi, row.y)); };
     for (Index d = 1; d <= 33; ++d) {
+        SCOPED_TRACE(testing::Message() << d << " parameters, kind " << int(kind));
         Seed seed{std::uint64_t(d)};
-        Problem<T> problem{.size = d, .forgetting = T(0.96875)};
-        Problem<P> lanes{.size = d, .forgetting = P(T(0.96875))};
-        if (d % 3 == 0) problem.prior.reset(), lanes.prior.reset();
-        std::vector<Qr<T>> single(4, Qr<T>(problem)), looking = single;
-        Qr<P> pack(lanes);
-        for (Index k = 0; k < 2 * d + 5; ++k) {
-            Vector<T> psi[4];
-            Vector<P> all(d);
-            P outputs(T(0));
-            for (int n = 0; n < 4; ++n) {
-                psi[n] = Vector<T>::NullaryExpr(d, [&] { return number<T>(seed, n % 2 ? kind : Kind::mild); });
-                for (Index i = 0; i < d; ++i) all[i].set(n, psi[n][i]);
-                outputs.set(n, number<T>(seed, Kind::mild));
-            }
-            auto const step = pack.update({all.data(), d}, outputs);
-            for (int n = 0; n < 4; ++n) {
-                auto const itself = [](T x) { return x; };
-                auto const expected = held<T>(single[size_t(n)], single[size_t(n)].update(psi[n], outputs[n]), itself);
-                auto const looked = looking[size_t(n)].look(psi[n], outputs[n]);
-                auto const got = held<T>(looking[size_t(n)], looking[size_t(n)].commit(looked), itself);
-                ASSERT_TRUE(same(expected, got)) << d << " parameters, row " << k;
-                Step<T> const mine{step.innovation[n], step.residual[n], step.gamma[n], step.health[n]};
-                ASSERT_TRUE(same(expected, held<T>(pack, mine, [n](P const& x) { return x[n]; })))
-                    << d << " parameters, row " << k << ", lane " << n;
-            }
+        Problem<double> problem{.size = d, .forgetting = 0.96875};
+        if (d % 3 == 0) problem.prior.reset();
+        Qr<T> const start(twins::in<T>(problem));
+        std::vector<twins::Rows> rows;
+        std::vector<twins::Trace> alone;
+        for (int n = 0; n < 4; ++n) {
+            rows.push_back(rows_of<T>(d, 2 * d + 5, n % 2 ? kind : Kind::mild, Seed{seed.next()}));
+            for (auto& row : rows.back()) row.y = double(number<T>(seed, Kind::mild));
+            alone.push_back(twins::trace(start, rows.back()));
+            twins::expect_one("in two", twins::trace(start, rows.back(), false, in_two), alone.back());
         }
+        twins::expect_one("lanes", twins::traces(Qr<P>(twins::in<P>(problem)), rows), alone);
     }
 }
 TEST(QrRows, HaveTheSameBitsEachWay) {

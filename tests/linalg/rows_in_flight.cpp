@@ -54,21 +54,11 @@ template <class T>
 void check_kernel(Index d, Kind kind) {
     Operands<T> const operands(d, kind, Seed{std::uint64_t(d)});
     std::vector<T> const expected = row_after_row(operands);
-    auto const check = [&](char const* set, auto run) {
+    on_each_set<T>([&](char const* set, auto evaluate) {
         Operands<T> o = operands;
-        run(o.kernel());
+        evaluate(o.kernel());
         EXPECT_TRUE(same(expected, o.results())) << set << ", " << d << " parameters, kind " << int(kind);
-    };
-    using K = kernels::RotateInRows<T>;
-    check("SSE2", [](K const& k) { kernels::portable::run_outlined<kernels::portable::InRegisters<K, T, 16>>(k); });
-#ifdef __x86_64__
-    if (kernels::best_isa() >= Isa::avx2)
-        check("AVX2", [](K const& k) { kernels::avx2::run_outlined<kernels::avx2::InRegisters<K, T, 32>>(k); });
-    if constexpr (sizeof(T) == 8)
-        if (kernels::best_isa() >= Isa::avx512)
-            check("AVX-512",
-                  [](K const& k) { kernels::avx512::run_outlined<kernels::avx512::InRegisters<K, T, 64>>(k); });
-#endif
+    });
 }
 
 template <class T>

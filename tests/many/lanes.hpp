@@ -1,118 +1,92 @@
-// What the tests of lanes and fleets share: the rows and the problem of each filter, and equality of bits.
+// Filters over packs: each lane has the bits, signals, counts and state of the scalar filter on its own rows.
 //
 // A pack is compiled anew for each variant, rule, policy and shape. What a shape (the number of lanes, float or double,
 // a size that the compiler knows or not) does is the same text for all of them, and so is what a rule does to a shape:
-// each variant with each rule or policy is tried in one shape, each other shape with one variant.
+// each variant with each rule or policy is tried in one shape, each other shape with one variant and a few rules.
 #pragma once
 
-#include <rlslab/core/random.hpp>
-#include <rlslab/core/problem.hpp>
-#include <rlslab/state/lanes.hpp>
+#include "tests/many/together.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
+#include <rlslab/adapt/rules.hpp>
 
 namespace rlslab::lanes {
 
-inline constexpr Index d = 3;
+using twins::in;
 
-/// The numbers of a lane and of the scalar filter that has its rows. Compared here: no expectation is compiled once for
-/// each pair of types.
-class Twins {
-    std::vector<double> lane_, alone_;
+/// make(problem) makes the filter over packs and that of numbers. Returns what the latter left.
+template <class T, int L, class Make, class Act = twins::Update>
+std::vector<twins::Trace> expect_lanes_of(Make make, Problem<double> const& problem,
+                                          std::vector<twins::Rows> const& rows, Act const& act = {}) {
+    auto const alone = make(in<T>(problem));
+    using F = std::remove_cvref_t<decltype(alone)>;
+    bool const with_state = !(twins::may_keep_bounds<F> && std::same_as<T, float>);
+    std::vector<twins::Trace> out;
+    for (twins::Rows const& mine : rows) out.push_back(twins::trace(alone, mine, with_state, act));
+    twins::expect_one(F::name, twins::traces(make(in<Pack<T, L>>(problem)), rows, with_state, act), out);
+    return out;
+}
+template <class T>
+constexpr double beyond = sizeof(T) == 4 ? 1e30 : 1e200;
 
-public:
-    void add(double of_lane, double of_one) { lane_.push_back(of_lane), alone_.push_back(of_one); }
-    void add(Health of_lane, Health of_one) { add(double(of_lane), double(of_one)); }
-    template <class A, class B>
-    void add_all(A const& of_lane, B const& of_one) {
-        for (Index i = 0; i < Index(of_one.size()); ++i) add(double(of_lane[i]), double(of_one[i]));
-        add(double(of_lane.size()), double(of_one.size()));
-    }
-    void add(detail::LaneRead const& of_lane, detail::LaneRead const& of_one) {
-        lane_.insert(lane_.end(), of_lane.values.begin(), of_lane.values.end());
-        alone_.insert(alone_.end(), of_one.values.begin(), of_one.values.end());
-    }
-    /// Where they part first, or nothing; NaN is one NaN. They are then forgotten.
-    std::string parted() {
-        std::vector<double> const a = std::move(lane_), b = std::move(alone_);
-        lane_ = {}, alone_ = {};
-        if (a.size() != b.size()) return std::to_string(a.size()) + " numbers and " + std::to_string(b.size());
-        for (size_t i = 0; i < a.size(); ++i)
-            if (a[i] != b[i] && !(std::isnan(a[i]) && std::isnan(b[i])))
-                return "number " + std::to_string(i) + ": " + std::to_string(a[i]) + " and " + std::to_string(b[i]);
-        return {};
-    }
-    /// Whether they are one; a failure of the test where they are not.
-    bool agree(std::string_view name, Index row, Index filter) {
-        std::string const where = parted();
-        if (where.empty()) return true;
-        ADD_FAILURE() << name << ", row " << row << ", filter or lane " << filter << ", " << where;
-        return false;
+/// Numbers with which each rule acts in some lanes and not in others.
+template <class T>
+auto chosen(std::type_identity<ConstantForgetting<T>>) {
+    return ConstantForgetting<T>{};
+}
+template <class T>
+auto chosen(std::type_identity<Fortescue<T>>) {
+    return Fortescue<T>{.noise_variance = T(0.03125), .memory = T(20), .largest_trace = T(300)};
+}
+template <class T>
+auto chosen(std::type_identity<Kulhavy<T>>) {
+    return Kulhavy<T>{.forgetting = T(0.9), .least_excitation = T(1)};
+}
+template <class T>
+auto chosen(std::type_identity<CaoSchwartz<T>>) {
+    return CaoSchwartz<T>{.forgetting = T(0.9), .least_excitation = T(1)};
+}
+template <class T>
+auto chosen(std::type_identity<RotatingRidge<T>>) {
+    return RotatingRidge<T>{.ridge = T(0.5)};
+}
+template <class T>
+auto chosen(std::type_identity<CovarianceReset<T>>) {
+    return CovarianceReset<T>{.period = 7, .variance = T(50)};
+}
+template <class T>
+auto chosen(std::type_identity<RandomWalk<T>>) {
+    return RandomWalk<T>{.variance = T(0.015625)};
+}
+template <template <class, int> class V, template <class> class Rule, int N>
+struct Ruled {
+    template <class T>
+    auto operator()(Problem<T> const& problem) const {
+        return Forgetting<V<T, N>, Rule<T>>(problem, chosen(std::type_identity<Rule<T>>{}));
     }
 };
-/// Everything that a lane and the scalar filter hold.
-template <class Together, class One>
-void add_states(Twins& twins, Together& together, int lane, One& one) {
-    detail::LaneRead of_lane(lane), of_one(0);
-    detail::walk(of_lane, together);
-    detail::walk(of_one, one);
-    twins.add(of_lane, of_one);
-}
-/// The step of a lane and that of the scalar filter.
-template <class T, class P>
-void add_steps(Twins& twins, Step<P> const& step, int lane, Step<T> const& one) {
-    twins.add(step.health[lane], one.health);
-    twins.add(step.innovation[lane], one.innovation);
-    twins.add(step.residual[lane], one.residual);
-    twins.add(step.gamma[lane], one.gamma);
-}
-template <class P, class T>
-void add_lanes(Twins& twins, P const& of_pack, int lane, T const& of_one) {
-    for (Index j = 0; j < of_one.size(); ++j) twins.add(of_pack[j][lane], of_one[j]);
-}
-/// Bounds that a filter of floats keeps in double, and a pack of them in float: no bit of the answers depends on them.
-template <class F>
-constexpr bool keeps_bounds = std::same_as<typename F::scalar, float> && requires(F f) { f.form().lengths; };
-
-/// The rows of one filter: silent for long stretches, with outliers, changes for ever and rows out of range.
-template <class T>
-struct Rows {
-    Seed seed;
-    double sign = 1;
-    int silent = 0;
-    Vector<T> psi = Vector<T>::Zero(d);
-    T y = T(0);
-
-    void next(bool nan) {
-        double const chance = seed.uniform();
-        if (silent > 0) --silent;
-        else if (chance < 0.004) silent = 250;
-        else if (chance < 0.01) sign = -sign;
-        double out = 0.125 * seed.bell();
-        for (Index j = 0; j < d; ++j) {
-            psi[j] = silent > 0 ? T(0) : T(seed.bell());
-            out += sign * double(psi[j]) * double(j + 1);
+template <template <class, int> class V, template <class> class Rule, class T = double, int L = 8, int N = 3>
+void expect_lanes_to_be_ruled() {
+    for (bool const with_prior : {true, false}) {
+        if (!with_prior && !StartsWithoutPrior<V<T, N>>) continue;
+        Problem<double> problem{.size = 3, .forgetting = 0.9, .prior = Prior<double>{.variance = 16384}};
+        if (!with_prior) problem.prior.reset();
+        std::vector<twins::Rows> rows;
+        for (int lane = 0; lane < L; ++lane) {
+            rows.push_back(twins::taken({.seed = Seed{std::uint64_t(lane + 1)}, .beyond = beyond<T>}, 300));
+            for (int k = 0; k < lane; ++k) rows.back()[std::size_t(k)].psi.setZero();  // determined at another row each
         }
-        if (seed.uniform() < 0.02) out += 100;
-        y = T(out);
-        double const odd = seed.uniform();
-        T const beyond = T(sizeof(T) == 4 ? 1e30 : 1e200);
-        if (odd < 0.01) y = beyond;
-        else if (odd < 0.02) psi[1] = -beyond;
-        else if (nan && odd < 0.03) psi[0] = std::numeric_limits<T>::quiet_NaN();
-        else if (nan && odd < 0.04) y = std::numeric_limits<T>::infinity();
+        expect_lanes_of<T, L>(Ruled<V, Rule, N>{}, problem, rows);
     }
-};
-
-template <class T>
-Problem<T> some_problem(Index i) {
-    Problem<T> p{.size = d, .forgetting = T(i % 2 ? 0.9 : 0.9375)};
-    p.prior->variance = T(i % 3 ? 100 : 16384);
-    if (i % 4 == 1) p.prior->theta = Vector<T>::Constant(d, T(0.5));
-    return p;
+}
+template <template <class, int> class V>
+void expect_lanes_to_be_ruled_by_each() {
+    expect_lanes_to_be_ruled<V, ConstantForgetting>();
+    expect_lanes_to_be_ruled<V, Fortescue>();
+    expect_lanes_to_be_ruled<V, Kulhavy>();
+    if constexpr (ReportsInformationAlong<V<double, 3>>) expect_lanes_to_be_ruled<V, CaoSchwartz>();
+    expect_lanes_to_be_ruled<V, RotatingRidge>();
+    expect_lanes_to_be_ruled<V, CovarianceReset>();
+    expect_lanes_to_be_ruled<V, RandomWalk>();
 }
 
 }  // namespace rlslab::lanes

@@ -1,42 +1,126 @@
-// One line for each variant, arithmetic and size: a digest of every bit that 300 rows leave. The same on every
-// processor, with every compiler: tests/house/portability.cpp compiles this for others and compares.
-#include <rlslab/state/state.hpp>
+// What rows leave of each dense variant, by the types of C++: one line each, with a hash. For other processors and
+// compilers (tests/house/portability.cpp compiles it for them), languages (tests/doors) and Python (tests/python).
+//
+//   digest              1000 rows, float and double, 5 parameters: theta, K, and P or P^-1 by columns
+//   digest save DIR     also saves the states after 500 rows: DIR/VARIANT.ARITHMETIC
+//   digest load DIR     starts from those states
+//   digest composed DIR saves states of compositions after 100 rows; theta after 200
+//   digest all          300 rows, more arithmetics and sizes: every step and report, and the state
+//
+// Rows: s = (1664525 s + 1013904223) mod 2^32 from s = 1 on, and each number is floor(s / 2^8) / 2^23 - 1: five of psi,
+// then y. Every language computes them exactly, and float holds them. Hash: of the bytes b of numbers as binary64, the
+// lowest first, h = (m h + b) mod 4294967291 from 1 on, for m = 257 and for m = 65599: a language without integers of
+// 64 bits has them in binary64. One NaN for all.
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/rules.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/core/rounding.hpp>
 #include <rlslab/catalogue/round_to.hpp>
+#include <rlslab/core/rounding.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
-#include <cinttypes>
 #include <cstdio>
+#include <fstream>
+#include <string>
 
 namespace rlslab {
 namespace {
 
-/// FNV-1a over the bits of doubles, by value: the order of bytes in memory has no part in it; one NaN for all.
-struct Digest {
-    std::uint64_t hash = 0xcbf29ce484222325;
-    void add(std::byte x) { hash = (hash ^ std::uint64_t(x)) * 0x100000001b3; }
+constexpr Index d = 5;
+
+struct Numbers {
+    std::uint32_t s = 1;
+    double next() {
+        s = 1664525 * s + 1013904223;
+        return (s >> 8) / 8388608.0 - 1;
+    }
+};
+struct Hash {
+    std::uint64_t first = 1, second = 1;
+    void add(std::byte byte) {
+        first = (257 * first + std::uint64_t(byte)) % 4294967291;
+        second = (65599 * second + std::uint64_t(byte)) % 4294967291;
+    }
     void add(double x) {
         std::uint64_t const bits = detail::bits_of(x == x ? x : std::numeric_limits<double>::quiet_NaN());
-        for (int i = 0; i < 8; ++i) hash = (hash ^ (bits >> (8 * i) & 0xff)) * 0x100000001b3;
+        for (int i = 0; i < 8; ++i) add(std::byte(bits >> (8 * i) & 255));
     }
     template <class Derived>
     void add(Eigen::DenseBase<Derived> const& A) {
         for (Index j = 0; j < A.cols(); ++j)
             for (Index i = 0; i < A.rows(); ++i) add(static_cast<double>(A(i, j)));
     }
+    void print(std::string const& what) const {
+        std::printf("%s %08llx%08llx\n", what.c_str(), static_cast<unsigned long long>(first),
+                    static_cast<unsigned long long>(second));
+    }
 };
+template <class F>
+std::string name_of_type() {
+    return std::string(F::name) + " " + std::string(ArithmeticTraits<typename F::scalar>::name);
+}
 
 template <class F>
-void digest(Index d) {
+void take(F& filter, int rows, Numbers& numbers) {
     using T = typename F::scalar;
-    F filter(problem_as<T>({.size = d, .forgetting = 0.98}));
-    Seed seed{std::uint64_t(d)};
-    Digest out;
-    for (int k = 0; k < 300; ++k) {
+    for (int k = 0; k < rows; ++k) {
         Vector<T> psi(d);
+        for (T& x : psi) x = T(numbers.next());
+        filter.update(psi, T(numbers.next()));
+    }
+}
+void save_in(std::string const& path, auto const& filter) {
+    auto const state = state_of(filter);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<char const*>(state.data()), std::streamsize(state.size()));
+}
+template <class F>
+int after_1000_rows(std::string const& verb, std::string const& folder) {
+    using T = typename F::scalar;
+    F filter(Problem<T>{.size = d, .forgetting = T(0.9921875)});
+    std::string const path = folder + "/" + std::string(F::name) + "." + std::string(ArithmeticTraits<T>::name);
+    Numbers numbers;
+    take(filter, 500, numbers);
+    if (verb == "save") save_in(path, filter);
+    if (verb == "load") {
+        std::ifstream file(path, std::ios::binary);
+        std::string const bytes{std::istreambuf_iterator<char>(file), {}};
+        filter = F(Problem<T>{.size = d});
+        if (load(filter, std::as_bytes(std::span(bytes))) != StateFault::none) {
+            std::fprintf(stderr, "%s is no state\n", path.c_str());
+            return 1;
+        }
+    }
+    take(filter, 500, numbers);
+    Hash hash;
+    hash.add(Vector<T>(filter.theta()));
+    hash.add(Vector<T>(filter.gain()));
+    if constexpr (ReportsCovariance<F>) hash.add(Matrix<T>(filter.covariance()));
+    else hash.add(Matrix<T>(filter.information()));
+    hash.print(name_of_type<F>());
+    return 0;
+}
+template <class F>
+void composed(F filter, std::string const& folder, std::string const& name) {
+    Numbers numbers;
+    take(filter, 100, numbers);
+    save_in(folder + "/" + name, filter);
+    take(filter, 100, numbers);
+    Hash hash;
+    hash.add(Vector<typename F::scalar>(filter.theta()));
+    hash.print(name);
+}
+
+template <class F>
+void everything(Index size) {
+    using T = typename F::scalar;
+    F filter(problem_as<T>({.size = size, .forgetting = 0.98}));
+    Seed seed{std::uint64_t(size)};
+    Hash out;
+    for (int k = 0; k < 300; ++k) {
+        Vector<T> psi(size);
         for (T& x : psi) x = round_to<T>(seed.bell());
         Step<T> const step = filter.update(psi, round_to<T>(seed.bell() + static_cast<double>(psi[0])));
         for (T const& x : {step.innovation, step.residual, step.gamma}) out.add(static_cast<double>(x));
@@ -47,16 +131,15 @@ void digest(Index d) {
     out.add(stored.F);
     out.add(stored.D);
     for (std::byte const byte : state_of(filter)) out.add(byte);
-    std::printf("%s %s %d %016" PRIx64 "\n", F::name.data(), ArithmeticTraits<T>::name.data(), int(d), out.hash);
+    out.print(name_of_type<F>() + " " + std::to_string(size));
 }
 template <class T>
-void digests() {
+void everything_in() {
     for_each(Variants<T>{}, []<class F>() {
-        for (Index const d : {1, 3, 5, 10, 24}) digest<F>(d);
+        for (Index const size : {1, 3, 5, 10, 24}) everything<F>(size);
     });
 }
-
-void digest_of_lanes() {
+void lanes() {
     using T = Pack<double, 4>;
     Ud<T> filter(Problem<T>{.size = 3});
     Seed seed{7};
@@ -66,21 +149,38 @@ void digest_of_lanes() {
             for (int lane = 0; lane < 4; ++lane) x.set(lane, seed.bell());
         filter.update(psi, psi[0]);
     }
-    Digest out;
+    Hash out;
     for (T const& x : Vector<T>(filter.theta()))
         for (int lane = 0; lane < 4; ++lane) out.add(x[lane]);
-    std::printf("ud pack 3 %016" PRIx64 "\n", out.hash);
+    out.print("ud pack 3");
 }
 
 }  // namespace
 }  // namespace rlslab
 
-int main() {
-    for (std::string_view const fault : rlslab::rounding_faults()) std::printf("%s\n", fault.data());
-    rlslab::digests<float>();
-    rlslab::digests<double>();
-    rlslab::digests<rlslab::Chopped<rlslab::bfloat16>>();
-    rlslab::digest_of_lanes();
-    rlslab::PrecisionScope const precision(12);
-    rlslab::digest<rlslab::Ud<rlslab::VariablePrecision>>(5);
+int main(int count, char** arguments) {
+    using namespace rlslab;
+    std::string const verb = count > 1 ? arguments[1] : "", folder = count > 2 ? arguments[2] : "";
+    if (verb == "all") {
+        for (std::string_view const fault : rounding_faults()) std::printf("%s\n", fault.data());
+        everything_in<float>();
+        everything_in<double>();
+        everything_in<Chopped<bfloat16>>();
+        lanes();
+        PrecisionScope const precision(12);
+        everything<Ud<VariablePrecision>>(5);
+    } else if (verb == "composed") {
+        Problem<float> const f{.size = d, .forgetting = 0.99f};
+        Problem<double> const p{.size = d, .forgetting = 0.99};
+        composed(Guarded<Windowed<Ud<float>>>(Windowed<Ud<float>>(f, {.rows = 30}), f), folder, "windowed");
+        composed(
+            Guarded<Forgetting<Carlson<double>, Kulhavy<double>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
+            folder, "ruled");
+        composed(Forgetting<Qr<double>, Fortescue<double>>(p, {.noise_variance = 1e-6}), folder, "fortescue");
+    } else {
+        int code = 0;
+        for_each(Variants<float>{}, [&]<class F>() { code |= after_1000_rows<F>(verb, folder); });
+        for_each(Variants<double>{}, [&]<class F>() { code |= after_1000_rows<F>(verb, folder); });
+        return code;
+    }
 }

@@ -74,19 +74,19 @@ def test_states_that_cpp_wrote(file):
 
 
 def test_compositions_that_cpp_saved(tmp_path):
-    """tests/python/bits.cpp writes them after 100 rows, and prints a hash of theta after 200."""
+    """tests/portability/digest.cpp writes them after 100 rows, and prints a hash of theta after 200."""
     if "RLSLAB_BITS" not in os.environ:
-        pytest.skip("RLSLAB_BITS names no program of tests/python/bits.cpp: ctest does")
-    command = [os.environ["RLSLAB_BITS"], str(tmp_path)]
+        pytest.skip("RLSLAB_BITS names no program of tests/portability/digest.cpp: ctest does")
+    command = [os.environ["RLSLAB_BITS"], "composed", str(tmp_path)]
     printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     number = numbers()
     rows = [[next(number) for _ in range(6)] for _ in range(200)]
     ours = []
     for line in printed.splitlines():
         f = rlslab.load(tmp_path / line.split()[0])
-        for *psi, noise in rows[100:]:
-            f.update(psi, psi[0] - psi[1] / 2 + noise / 1024)
-        ours.append(f"{line.split()[0]} {hash_of(f.theta.tolist()):016x}")
+        for *psi, y in rows[100:]:
+            f.update(psi, y)
+        ours.append(f"{line.split()[0]} {hash_of(f.theta.tolist())}")
     assert ours == printed.splitlines() and len(set(ours)) == 3
 
 

@@ -60,11 +60,26 @@ Problem<T> some_problem(double lambda = 0.96875, double variance = 64) {
     return {.size = 4, .forgetting = T(lambda), .prior = Prior<T>{.variance = T(variance)}};
 }
 
-template <class T>
+/// A conversion sees of a variant what it stores: P, its inverse, or a factor of either, with D or without. Tried are
+/// all pairs of one variant of each kind, and each other variant from two of these and to them.
+constexpr bool stands_for_its_kind(std::string_view name) {
+    for (std::string_view const one : {"symmetric", "carlson", "ud", "information", "qr", "gentleman"})
+        if (name == one) return true;
+    return false;
+}
+constexpr bool meets_all(std::string_view name) { return name == "ud" || name == "gentleman"; }
 constexpr void pairs(auto visit) {
-    for_each(Variants<T>{}, [&]<class From>() {
-        for_each(Variants<T>{}, [&]<class To>() { visit.template operator()<From, To>(); });
+    for_each(Variants<double>{}, [&]<class From>() {
+        for_each(Variants<double>{}, [&]<class To>() {
+            if constexpr (meets_all(From::name) || meets_all(To::name) ||
+                          (stands_for_its_kind(From::name) && stands_for_its_kind(To::name)))
+                visit.template operator()<From, To>();
+        });
     });
+}
+/// of is in epsilons.
+void expect_at_most(double error, double of, std::string_view from, std::string_view to) {
+    EXPECT_LE(error, of * epsilon<double>()) << from << " to " << to;
 }
 
 // --- laws ------------------------------------------------------------------------------------------------------------
@@ -72,19 +87,13 @@ constexpr void pairs(auto visit) {
 /// d epsilons for each unit of cond(R), which is below 10 here: 40.
 TEST(Conversion, KeepsThetaAndP) {
     Records const records = laws::noise_records(4, 50, Seed{91});
-    pairs<double>([&]<class From, class To>() {
+    pairs([&]<class From, class To>() {
         From const from = fed<From>(records, 0, 50, some_problem<double>());
         Converted<To> const to = convert<To>(from, 0.96875);
-        ASSERT_TRUE(to) << From::name << " to " << To::name;
-        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 40 * epsilon<double>())
-            << From::name << " to " << To::name;
-        bool const stored = !StartsWithoutPrior<From> && !StartsWithoutPrior<To>;
-        if (stored) {
-            EXPECT_EQ(Vector<double>(to->theta()), Vector<double>(from.theta())) << From::name << " to " << To::name;
-        } else {
-            EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), 40 * epsilon<double>())
-                << From::name << " to " << To::name;
-        }
+        if (!to) throw std::logic_error("no conversion to " + std::string(To::name));
+        expect_at_most(relative(exact_covariance(*to), exact_covariance(from)), 40, From::name, To::name);
+        bool const is_stored = !StartsWithoutPrior<From> && !StartsWithoutPrior<To>;
+        expect_at_most(relative(exact_theta(*to), exact_theta(from)), is_stored ? 0 : 40, From::name, To::name);
     });
 }
 /// And it goes on as the other variant would have: the next rows' certified solution.
@@ -92,12 +101,13 @@ TEST(Conversion, GoesOnAsTheVariantItIs) {
     Records const records = laws::noise_records(4, 120, Seed{92});
     Problem<double> const problem = some_problem<double>();
     CertifiedSolution const exact = std::move(certified(problem, records, {120}, 40).front());
-    pairs<double>([&]<class From, class To>() {
+    pairs([&]<class From, class To>() {
         Converted<To> to = convert<To>(fed<From>(records, 0, 60, problem), 0.96875);
-        ASSERT_TRUE(to);
-        for (Index k = 60; k < 120; ++k) EXPECT_EQ(to->update(records.sample(k), records.y[k]).health, Health::sound);
-        EXPECT_GE(exact.theta_digits(exact_theta(*to)), 15.65 - 2.8)
-            << From::name << " to " << To::name;  // 600 epsilons
+        bool sound = bool(to);
+        for (Index k = 60; k < 120; ++k)
+            sound = sound && to->update(records.sample(k), records.y[k]).health == Health::sound;
+        double const error = sound ? std::pow(10, -exact.theta_digits(exact_theta(*to))) : 1;
+        expect_at_most(error, 640, From::name, To::name);
     });
 }
 /// There and back to the bits: where both hold the same factor nothing is computed.
