@@ -53,7 +53,7 @@ def choice(of):
             boards.setdefault(kind, {}).setdefault(board, {}).setdefault(word, {})[d] = int(count)
     law = r"(.*): (?:(\d) )?log2 kappa \+ c with c from (\d+) to (\d+)"
     laws = [(int(m[2] or 1), m[1], [int(m[3]), int(m[4])])
-            for claim, verdict, _ in next(s for s in of.studies if s["name"] == "choose")["verdicts"]
+            for claim, verdict in next(s for s in of.studies if s["name"] == "choose")["verdicts"]
             if verdict == "holds" and (m := re.match(law, claim))]
     speed, rows = read("docs/speed.md"), []
     for h in of.headers:

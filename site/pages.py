@@ -101,7 +101,7 @@ def questions():
 
 def studies():
     """The studies in the order of the record: their words from their sources, their verdicts from studies/*.json."""
-    full, second = (json.loads(read(f"studies/verdicts-full{s}.json")) for s in ("", "-seed-2"))
+    full = json.loads(read("studies/verdicts-full.json"))
     sources = {p: p.read_text() for p in sorted((root / "studies").glob("*/*.cpp"))}
     string = re.compile(r'\s*(?:R"tex\((.*?)\)tex"|"((?:[^"\\]|\\.)*)")', re.S)
     out = []
@@ -110,7 +110,7 @@ def studies():
         path, code = next((p, t[m.start():]) for p, t in sources.items()
                           if (m := re.search(rf"^Study const {name}\{{", t, re.M)))
         study = {"name": name, "folder": path.parent.name, "path": path.relative_to(root),
-                 "verdicts": [(c, v, second.get(name, {}).get(c, "")) for c, v in verdicts.items()]}
+                 "verdicts": list(verdicts.items())}
         for field in ("question", "source", "formula", "interpretation", "data"):
             study[field], at = "", code.find(f".{field} =") + len(f".{field} =")
             while at > len(field) + 2 and (m := string.match(code, at)):
@@ -219,7 +219,7 @@ def said(header, of):
              if re.search(header.called, " ".join([t, *text]))]
     if asked:
         found += ["", folded(f"{counted(asked, 'question')} whose answers name it", "\n".join(f"- {q}" for q in asked))]
-    claims = [(s["name"], c, v) for s in of.studies for c, v, _ in s["verdicts"]
+    claims = [(s["name"], c, v) for s in of.studies for c, v in s["verdicts"]
               if re.search(rf"\b{header.name}\b(?!')|{header.called}", c)]
     ends = [c for c in claims if re.search(r"definite|overflow|break|surviv|ends|freez|lose", c[1])]
     return found, [c for c in claims if c not in ends], ends
@@ -231,7 +231,7 @@ def counted(what, name):
 
 legend = ("A claim puts a number in a *band*. It **holds** where the number's interval over the seeds lies inside the "
           "band, **fails** where it lies outside, and is **undecided** otherwise. *Full budget*: at least 20 draws of "
-          "the data behind each interval (`winner_map`: 11). *Seed 1, seed 2*: runs with other random numbers. A "
+          "the data behind each interval (`winner_map`: 11). A "
           "letter and a number before a colon (`T3:`) are the claim's own name in the study's source. $u$ is the unit "
           "roundoff; other letters: [notation](../docs/notation.md), words: [words](../docs/words.md), counts: "
           "[verdicts](../docs/questions.md#verdicts).\n\n")
@@ -331,8 +331,7 @@ def study_page(s, links):
     page += [links.prose(s["interpretation"]) + "\n", f"*Data:* {links.prose(s['data'])}.\n" if s["data"] else "",
              f"*Source of the law:* {links.prose(s['source'])}.\n" if s["source"] else "", "## Verdicts\n",
              legend,
-             table(["claim", "seed 1", "seed 2"], [[links.prose(c).replace("|", "\\|"), f"**{v}**", w]
-                                                   for c, v, w in s["verdicts"]]),
+             table(["claim", "verdict"], [[links.prose(c).replace("|", "\\|"), f"**{v}**"] for c, v in s["verdicts"]]),
              "## Run it, vary it\n", "```", *(f"rlslab study {s['name']} {words}" for words in runs), "```\n",
              "`--out` leaves the table, the figure and a report. `--describe` prints its factors with their values, "
              "its measures, the origin of each band, and how long it takes. More: "
@@ -350,5 +349,5 @@ def study_index(of):
     for subject, found in subjects.items():
         page += [f"## {subject.capitalize()}\n", table(["study", "question", "holds", "fails", "undecided"], [
             [f"[`{s['name']}`]({s['name']}.md)", s["question"].replace("|", "\\|"),
-             *(sum(v == w for _, v, _ in s["verdicts"]) for w in ("holds", "fails", "undecided"))] for s in found])]
+             *(sum(v == w for _, v in s["verdicts"]) for w in ("holds", "fails", "undecided"))] for s in found])]
     return "\n".join(page)

@@ -12,7 +12,7 @@ paper.tex names what it takes:
     \\quoted{PAGE}{WORDS}                 words that a page of docs, or a file, has, wherever its lines break
     \\rows{PAGE}{HEADING}{COLUMNS}        the rows of one, of the columns named, ; between them
     \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
-    \\recorded{STUDY}{N}{WORDS}           the verdicts on a claim in studies/verdicts-full*.json
+    \\recorded{STUDY}{N}{WORDS}           the verdict on a claim in studies/verdicts-full.json
     \\plot{NAME}                          a figure of docs or of the run
 and single numbers, as below."""
 import hashlib, json, pathlib, re, sys
@@ -201,26 +201,20 @@ def leans_on(study, texts, n):
 
 
 def verdicts():
-    full, second = record("verdicts-full"), record("verdicts-full-seed-2")
+    full = record("verdicts-full")
     claims = [(study, n, text, verdict) for study in full
               for n, (text, verdict) in enumerate(full[study].items(), 1)]
-    for suffix, of in (("one", full), ("two", second)):
-        said = [v for study in of.values() for v in study.values()]
-        for verdict in ("holds", "fails", "undecided"):
-            yield r"\newcommand{\%s%s}{%d}" % (verdict, suffix, said.count(verdict))
+    for verdict in ("holds", "fails", "undecided"):
+        yield r"\newcommand{\%sone}{%d}" % (verdict, sum(v == verdict for _, _, _, v in claims))
     yield r"\newcommand{\recordedclaims}{%d}" % len(claims)
     yield r"\newcommand{\recordedstudies}{%d}" % len(full)
-    other = [(a, b) for s, _, t, a in claims for b in [second.get(s, {}).get(t)] if b and a != b]
-    yield r"\newcommand{\verdictsdiffer}{%d}" % len(other)
-    yield r"\newcommand{\verdictsturn}{%s}" % none_or(sum({a, b} == {"holds", "fails"} for a, b in other))
     failing = ""
     for study, n, text, verdict in claims:
         lean = leans_on(study, list(full[study]), n)
         yield defined("leans@%s@%d" % (study, n), tex(lean))
-        two = second.get(study, {}).get(text, "not run")
-        yield defined("recorded@%s@%d" % (study, n), verdict if verdict == two else verdict + ", " + two)
+        yield defined("recorded@%s@%d" % (study, n), verdict)
         if verdict == "fails":
-            failing += r"\texttt{%s} %d & %s & %s\\" % (tex(study), n, tex(lean + text), two) + "\n"
+            failing += r"\texttt{%s} %d & %s\\" % (tex(study), n, tex(lean + text)) + "\n"
     yield r"\newcommand{\failing}{%s}" % failing
 
 

@@ -68,10 +68,10 @@ def study(
 
     Examples
     --------
-    >>> s = rlslab.study("gain_identities")
+    >>> s = rlslab.study("gain_error")
     >>> len(s.verdicts), {v["verdict"] for v in s.verdicts}
-    (14, {'holds'})
-    >>> rlslab.study("gain_identities", set={"lambda": [0.5], "variant": "ud"}).verdicts[0]["verdict"]
+    (6, {'holds'})
+    >>> rlslab.study("gain_error", set={"lambda": [0.5], "variant": "ud"}).verdicts[0]["verdict"]
     'not judged: factors changed'
     """
     words = _program.options(seeds=seeds, budget=budget, seed=seed, threads=threads)

@@ -60,9 +60,9 @@ Study const accuracy_steps{
               \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
     .interpretation =
         "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, "
-        "the c of study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows "
+        "c as docs/theory.md 38 has it: the root law holds to 10^6 rows in float and double, and nothing grows "
         "exponentially. P does not follow one law. conventional keeps its first asymmetry while P shrinks, which is "
-        "linear growth. inverse_qr and carlson drift (study inverse_qr_drift): linear in float from 10^3 rows, so "
+        "linear growth. inverse_qr and carlson drift (study delta_forms): linear in float from 10^3 rows, so "
         "that a run's first part has another slope, and in double from 10^5, where the earlier experiment "
         "(docs/literature.md 3.8) ended. In float beyond 10^5 "
         "rows, N u > 1/100, rows vanish beside what is summed, and the information forms grow faster than the root, "

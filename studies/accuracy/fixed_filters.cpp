@@ -1,10 +1,9 @@
 // The only place where the variants are compiled in fixed-point words.
-#include "studies/accuracy/fixed_filters.hpp"
+#include "studies/accuracy/fixed_runs.hpp"
 
 #include <rlslab/catalogue/erase.hpp>
 
 #include <rlslab/arithmetic/fixed.hpp>
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::studies {
@@ -17,12 +16,6 @@ std::vector<CatalogueEntry> const& fixed_point_filters() {
         return out;
     }();
     return entries;
-}
-
-CatalogueEntry const& symmetric_of_any_length() {
-    static Arithmetic const arithmetic = arithmetic_of<VariablePrecision>();
-    static CatalogueEntry const entry = untimed_entry_of<Symmetric<VariablePrecision>>(&arithmetic);
-    return entry;
 }
 
 }  // namespace rlslab::studies

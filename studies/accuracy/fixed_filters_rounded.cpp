@@ -1,5 +1,5 @@
 // A few variants in fixed-point words that are rounded after every operation.
-#include "studies/accuracy/fixed_filters.hpp"
+#include "studies/accuracy/fixed_runs.hpp"
 
 #include <rlslab/catalogue/erase.hpp>
 

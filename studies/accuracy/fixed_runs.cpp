@@ -4,6 +4,7 @@
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/breakdown.hpp>
+#include <rlslab/catalogue/catalogue.hpp>
 
 #include <cmath>
 
@@ -189,7 +190,8 @@ double theta_noise(CatalogueEntry const& entry, Setting& setting, double lambda)
 }
 
 double floating_bits(Setting const& setting) {
-    CatalogueEntry const& entry = symmetric_of_any_length();
+    auto const& of_any_length = variable_precision_catalogue();
+    CatalogueEntry const& entry = *find_entry(of_any_length, "symmetric", of_any_length.front().arithmetic->name);
     for (int p = 3; p <= 30; ++p) {
         PrecisionScope const precision(p);
         Setting here(setting.problem(), setting.records());

@@ -1,12 +1,19 @@
 // A filter's run in fixed-point words: how it ends, and how many bits it needs.
 #pragma once
 
-#include "studies/accuracy/fixed_filters.hpp"
 #include <rlslab/studies/scenarios.hpp>
+
+#include <rlslab/arithmetic/fixed_format.hpp>
 
 #include <map>
 
 namespace rlslab::studies {
+
+/// Every dense variant in fixed point, in the format of the calling thread's FixedScope. The catalogue has none.
+std::vector<CatalogueEntry> const& fixed_point_filters();
+/// symmetric, ud or qr in the same format, with a rounding after every operation, not after every sum; null for any
+/// other.
+CatalogueEntry const* rounding_every_operation(std::string_view variant);
 
 /// The same problem in binary64, by the textbook recursion in order: what the words are compared with. Its own error is
 /// measured against the certified solution in every trial.

@@ -174,8 +174,7 @@ Study const residual_size{
                  return within(some(t, rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"),
                                1.3 / 1.25, 3.75);
              },
-             own_result(
-                 "docs/theory.md 73 with the constant that study fused measured on NIST's sets; set before the run")},
+             own_result("docs/theory.md 73 with the constant measured on NIST's sets; set before the run")},
             {"carlson, ud, inverse_qr: errors are those of qr on the same rows to a factor of 3",
              [](Table const& t) {
                  return labelled("carlson", against(t, "carlson", "qr", 1.0 / 3, 3)) &&

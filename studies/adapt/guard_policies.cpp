@@ -1,6 +1,6 @@
 // What a guard saves: theta and P after eight disturbances, with each policy.
 // Longer than 150 lines: eight disturbances and 14 claims.
-#include "studies/adapt/watched.hpp"
+#include "studies/adapt/guarded.hpp"
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
@@ -68,7 +68,7 @@ struct Rows {
     }
 };
 
-std::string state_of(Watched const& filter) {
+std::string state_of(GuardedFilter const& filter) {
     for (double x : filter.theta())
         if (!std::isfinite(x)) return "not finite";
     switch (definiteness(filter.stored())) {
@@ -83,59 +83,58 @@ bool same_numbers(Vector<double> const& a, Vector<double> const& b) {
     return true;
 }
 
+std::vector<std::string> const of_guards{"none", "report", "reset", "rebuild"};
+
 /// A row for each disturbance and policy. Every policy and variant sees the same rows.
 void disturb(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem{.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 100}};
     Rows start{trial.seed({"replicate"})};
-    std::vector<std::unique_ptr<Watched>> filters;
-    for (auto const& policy : guard_policies_by_name())
-        filters.push_back(watched(trial.text("variant"), trial.text("arithmetic"), policy, problem));
+    std::vector<GuardedFilter> filters;
+    for (auto const& policy : of_guards)
+        filters.emplace_back(trial.text("variant"), trial.text("arithmetic"), policy, problem);
     for (Index k = 0; k < warm; ++k) {
         start.next();
-        for (auto& filter : filters)
-            if (filter) filter->update(start.psi.data(), start.y);
+        for (GuardedFilter& filter : filters) filter.update(start.psi, start.y);
     }
     for (auto const& [disturbance, length] : disturbances) {
         Vector<double> bare;
         for (size_t i = 0; i < filters.size(); ++i) {
-            if (!filters[i]) continue;
             Rows rows = start;
-            auto const filter = filters[i]->clone();
-            GuardCounts const before = filter->counts();
+            GuardedFilter filter = filters[i];
+            CompositionCounts const before = filter.counts();
             double during = 0, worst = 0;
             for (Index k = 0; k < length; ++k) {
                 rows.next_of(disturbance, k);
-                filter->update(rows.psi.data(), rows.y);
-                double const error = rows.error(filter->theta());
+                filter.update(rows.psi, rows.y);
+                double const error = rows.error(filter.theta());
                 during += error * error / double(length);
                 worst = std::max(worst, error);
             }
-            std::string const at_its_end = state_of(*filter);
-            GuardCounts const counts = filter->counts();
+            std::string const at_its_end = state_of(filter);
+            CompositionCounts const counts = filter.counts();
             if (std::string_view(disturbance) == "change") rows.sign = -1;
             Ud<double, d> fresh(problem);
             std::vector<std::pair<Index, double>> since;
             for (Index k = 1; k <= memories; ++k) {
                 rows.next();
-                filter->update(rows.psi.data(), rows.y);
+                filter.update(rows.psi, rows.y);
                 fresh.update(rows.psi, rows.y);
                 bool const drawn = k == 5 || k == 10 || k == 20 || k % 50 == 0;
                 if (k < memories && !(drawn && trial.number("replicate") <= 8)) continue;
-                since.emplace_back(k, rows.error(filter->theta()) / rows.error(Vector<double>(fresh.theta())));
+                since.emplace_back(k, rows.error(filter.theta()) / rows.error(Vector<double>(fresh.theta())));
             }
-            Vector<double> const theta = filter->theta();
+            Vector<double> const theta = filter.theta();
             if (i == 0) bare = theta;
             for (auto const& [rows_since, error] : since)
-                out({guard_policies_by_name()[i], disturbance, double(rows_since), error,
-                     std::sqrt(during) / stationary, worst / noise, at_its_end, state_of(*filter),
-                     same_numbers(theta, bare) ? "bare" : "own", double(counts.outliers - before.outliers),
-                     double(counts.windups - before.windups), double(counts.breakdowns - before.breakdowns)});
+                out({of_guards[i], disturbance, double(rows_since), error, std::sqrt(during) / stationary,
+                     worst / noise, at_its_end, state_of(filter), same_numbers(theta, bare) ? "bare" : "own",
+                     double(counts.outliers - before.outliers), double(counts.windups - before.windups),
+                     double(counts.breakdowns - before.breakdowns)});
         }
     }
 }
 
 std::vector<std::string> const acting{"reset", "rebuild"}, watching{"none", "report"};
-std::vector<std::string> const storing_P{"conventional", "symmetric"}, roots{"potter", "carlson", "inverse_qr"};
 std::vector<std::string> const factors_and_symmetric{"symmetric",  "potter", "carlson",  "ud",
                                                      "inverse_qr", "qr",     "gentleman"};
 std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman"};
@@ -181,10 +180,10 @@ Study const guard_policies{
         "-theta, rows that are not finite (7)",
     .factors =
         [](Budget budget) {
-            std::vector<Cell> variants(guarded_variants().begin(), guarded_variants().end());
-            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                       {"variant", variants},
-                                       {"replicate", counted(budget == Budget::full ? 40 : 11)}};
+            return std::vector<Factor>{
+                {"arithmetic", {"float", "double"}},
+                {"variant", {"conventional", "symmetric", "potter", "carlson", "ud", "inverse_qr", "qr", "gentleman"}},
+                {"replicate", counted(budget == Budget::full ? 40 : 11)}};
         },
     .measures = {"policy", "disturbance", "since", "error", "during", "worst", "at_its_end", "afterwards", "bits",
                  "outliers", "windups", "breakdowns"},

@@ -1,6 +1,6 @@
 // How often a guard is wrong, what it misses, and how late it is.
 // Longer than 150 lines: the predicted rates of the signals stand here, and nine claims.
-#include "studies/adapt/watched.hpp"
+#include "studies/adapt/guarded.hpp"
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
@@ -118,17 +118,17 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem{.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 100}};
     Rows const start{trial.seed({"size", "replicate"}), std::vector<double>(size_t(d))};
     auto const made = [&](std::string_view policy, double c) {
-        auto filter = watched(trial.text("variant"), trial.text("arithmetic"), policy, problem, c);
+        GuardedFilter filter(trial.text("variant"), trial.text("arithmetic"), policy, problem, c);
         Rows rows = start;
-        for (Index k = 0; k < warm; ++k) rows.next(), filter->update(rows.psi.data(), rows.y);
+        for (Index k = 0; k < warm; ++k) rows.next(), filter.update(rows.psi, rows.y);
         return std::pair(std::move(filter), std::move(rows));
     };
 
     for (double c : d == 4 ? std::vector{2.5, 3.0, 4.0, 6.0} : std::vector{2.5}) {
         auto [filter, rows] = made("report", c);
-        GuardCounts const before = filter->counts();
-        for (Index k = 0; k < far; ++k) rows.next(), filter->update(rows.psi.data(), rows.y);
-        GuardCounts const n = filter->counts();
+        CompositionCounts const before = filter.counts();
+        for (Index k = 0; k < far; ++k) rows.next(), filter.update(rows.psi, rows.y);
+        CompositionCounts const n = filter.counts();
         out({"false alarms", c, 1e4 * double(n.outliers - before.outliers) / far, 1e4 * predicted.flagged(c, 0)});
         if (c == 6) out({"other signals", c, double(n.changes + n.windups + n.breakdowns + n.unusable), 0.0});
     }
@@ -136,7 +136,7 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
         auto [filter, rows] = made("report", 6);
         double found = 0, expected = 0;
         for (int i = 0; i < 20; ++i) {
-            for (Index k = 0; k < 50; ++k) rows.next(), filter->update(rows.psi.data(), rows.y);
+            for (Index k = 0; k < 50; ++k) rows.next(), filter.update(rows.psi, rows.y);
             double low = 0, high = 1000, exact = 0;
             Rows probe = rows;
             probe.next();
@@ -145,7 +145,7 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
                 double const middle = (low + high) / 2;
                 bool caught = true;
                 for (double side : {-1.0, 1.0})  // both, so that the error of theta does not help
-                    caught = caught && filter->clone()->update(probe.psi.data(), exact + side * middle * noise) ==
+                    caught = caught && GuardedFilter(filter).update(probe.psi, exact + side * middle * noise) ==
                                            GuardSignal::outlier;
                 (caught ? high : low) = middle;
             }
@@ -159,9 +159,9 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
         auto [filter, rows] = made("reset", 6);
         int caught = 0;
         for (int i = 0; i < 25; ++i) {
-            for (Index j = 0; j < 400; ++j) rows.next(), filter->update(rows.psi.data(), rows.y);
+            for (Index j = 0; j < 400; ++j) rows.next(), filter.update(rows.psi, rows.y);
             rows.next();
-            caught += filter->update(rows.psi.data(), rows.y + k * noise) == GuardSignal::outlier;
+            caught += filter.update(rows.psi, rows.y + k * noise) == GuardSignal::outlier;
         }
         out({"caught", k, caught / 25.0, predicted.flagged(6, k)});
     }
@@ -169,24 +169,25 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
         auto [filter, rows] = made("reset", 6);
         double delay = 0;
         for (int i = 0; i < 20; ++i) {
-            for (Index j = 0; j < 50; ++j) rows.next(), filter->update(rows.psi.data(), rows.y);
-            auto const changed = filter->clone();
+            for (Index j = 0; j < 50; ++j) rows.next(), filter.update(rows.psi, rows.y);
+            GuardedFilter changed = filter;
             Rows after = rows;
             for (int k = 1; k <= 2000; ++k) {  // theta = 1 + step sigma / sqrt(d) in each parameter
                 after.next(1 + step * noise / 2);
                 delay += 0.05;
-                if (changed->update(after.psi.data(), after.y) == GuardSignal::change) break;
+                if (changed.update(after.psi, after.y) == GuardSignal::change) break;
             }
         }
         out({"delay", step, delay, Predicted::rows_to_five_of_six(predicted.flagged_after(6, step))});
     }
     {
         auto [filter, rows] = made("report", 6);
+        GuardedFilter bare = made("none", 6).first;  // of the same bits
         double largest = 0, k = 0;
-        for (Index j = 0; j < d; ++j) largest = std::max(largest, filter->variance(j));
+        for (Index j = 0; j < d; ++j) largest = std::max(largest, bare.variance(j));
         std::fill(rows.psi.begin(), rows.psi.end(), 0.0);
         do ++k;
-        while (filter->update(rows.psi.data(), 0) != GuardSignal::windup && k < 5000);
+        while (filter.update(rows.psi, 0) != GuardSignal::windup && k < 5000);
         out({"windup", 1600.0, k, correctly::log(1600 / largest) / -correctly::log(lambda)});
     }
 }

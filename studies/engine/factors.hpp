@@ -22,7 +22,7 @@ std::string changes_of(RunOptions const& options);
 /// The words of a command line that ask for these changes: "--set variant=ud,qr --seeds 40"; "" for none.
 std::string words_of_changes(RunOptions const& options);
 
-/// The study's folder: "gain", "definiteness", "accuracy", "forgetting", "published", "adapt", "theory".
+/// The study's folder: "gain", "definiteness", "accuracy", "forgetting", "published", "adapt", "fast", "maps".
 std::string_view subject_of(Study const& study);
 /// Question, source, factors with their values at each budget, measures, claims with the kind and source of their
 /// bands. Lines of at most `width` letters.

@@ -11,9 +11,6 @@ using Q = Rational;
 using V = Vector<Q>;
 using M = Matrix<Q>;
 
-/// A factor of one decimal, as 0.9, meant exactly.
-inline Q tenths(double x) { return Q(int(x * 10 + 0.5)) / 10; }
-
 inline V integers(Index size, Seed& seed, int range) {
     V out(size);
     for (Q& x : out) x = int(seed.next() % unsigned(2 * range + 1)) - range;

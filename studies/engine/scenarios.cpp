@@ -33,7 +33,6 @@ std::vector<Cell> forms(bool (*holds)(VariantForm const&)) {
 std::vector<Cell> covariance_forms() {
     return forms([](VariantForm const& f) { return f.quantity == Quantity::covariance && f.form == Form::plain; });
 }
-std::vector<Cell> subtracting_forms() { return without(covariance_forms(), {"joseph"}); }
 std::vector<Cell> factor_forms() {
     return forms([](VariantForm const& f) { return f.form == Form::factor; });
 }

@@ -13,8 +13,6 @@ namespace rlslab::studies {
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
-/// The variants that subtract from P; Joseph's form adds products instead.
-std::vector<Cell> subtracting_forms();
 /// The variants that propagate a factor of P or of its inverse.
 std::vector<Cell> factor_forms();
 /// The variants whose factor is a triangle; Potter's is full.

@@ -80,7 +80,7 @@ Study const sqrt_lambda_bias{
         "bias, which no averaging removes, and for most lambda the whole of the square-root forms' error. A lambda "
         "that is the square of a short number has none. ud, gentleman and the forms of P and P^-1 use lambda itself. "
         "extended_qr carries the inverse factor without correction, and drifts around the law. In float carlson and "
-        "inverse_qr have a drift of their own on top (study inverse_qr_drift).",
+        "inverse_qr have a drift of their own on top (study delta_forms).",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {

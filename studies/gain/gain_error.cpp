@@ -47,7 +47,7 @@ Study const gain_error{
     .question = "What does an error in the gain do to the covariance?",
     .source =
         "Bucy & Joseph 1968 (cited, not read); the laws of one step are derived (docs/theory.md 16, 17, 32, 33) and "
-        "exact (study gain_identities)",
+        "exact (tests/variants/gain_laws.cpp)",
     .formula =
         R"tex(\begin{aligned} \text{where } P \text{ is stored and } K\psi^\top P \text{ subtracted: } & \delta P = O(\delta K) \\
               \text{Joseph's forms: } & \delta P = O(\delta K^2) \\
@@ -60,9 +60,8 @@ Study const gain_error{
         "exception: they keep definiteness (study gain_error_definiteness), not P. They see nothing of an "
         "error only in the K that they report and do not use. In float and double the lines end on the floor of each "
         "arithmetic's own rounding, and there Joseph's form has no advantage. With forgetting the conventional form's "
-        "asymmetry grows as lambda^-k on top (study gain_error_memory), and without it as the number of steps (study "
-        "gain_error_growth): beyond epsilon N of about 1 it has broken down. How large these errors are: study "
-        "gain_error_size.",
+        "asymmetry grows as lambda^-k on top (docs/theory.md 28), and without it as the number of steps "
+        "(docs/theory.md 36): beyond epsilon N of about 1 it has broken down. How large these errors are: study gain_error_size.",
     .data = "white rows, d = 5",
     .factors =
         [](Budget budget) {

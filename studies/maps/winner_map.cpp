@@ -148,7 +148,7 @@ extern Study const winner_map;
 Study const winner_map{
     .name = "winner_map",
     .question = "Which form keeps most digits where, and what does one lose by always taking the same?",
-    .source = "derived (docs/theory.md 107 to 110); constants from theory and from studies prior_size, delta_forms",
+    .source = "derived (docs/theory.md 107 to 110); constants from theory and from study delta_forms",
     .formula =
         R"tex(\begin{aligned} P \text{ stored:}\quad & 0.42u\,(\sqrt2\,n + \tfrac{2}{d}t\kappa^2h + \sqrt2\,p) \\
 p &= c^2\tfrac{d}{m}\lambda^{2N}\sum\sigma_i^2 \\

@@ -1,9 +1,14 @@
 // What fused products do to the symmetry of P: under unchanged texts.
 #include <rlslab/studies/checkpoints.hpp>
 #include <rlslab/studies/judgements.hpp>
-#include "studies/published/evaluated_filters.hpp"
+#include "studies/published/fused_double.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/catalogue/erase.hpp>
+#include <rlslab/variants/conventional_two_sided.hpp>
+#include <rlslab/variants/joseph.hpp>
+#include <rlslab/variants/joseph_rank_two.hpp>
+#include <rlslab/variants/symmetric.hpp>
 
 #include <cmath>
 
@@ -12,13 +17,26 @@ namespace {
 
 constexpr Index size = 4, every = 50;
 
+CatalogueEntry const& fused(std::string_view variant) {
+    using T = FusedDouble;
+    static Arithmetic const arithmetic = arithmetic_of<T>();
+    static CatalogueEntry const entries[] = {
+        untimed_entry_of<ConventionalTwoSided<T>>(&arithmetic), untimed_entry_of<Symmetric<T>>(&arithmetic),
+        untimed_entry_of<Joseph<T>>(&arithmetic), untimed_entry_of<JosephRankTwo<T>>(&arithmetic)};
+    for (CatalogueEntry const& entry : entries)
+        if (entry.variant == variant) return entry;
+    throw std::logic_error("no such variant is fused");
+}
+
 /// max |P_ij - P_ji| / max |P_ij| of what is stored, and P's error.
 void measure(Trial const& trial, TrialOutput& out) {
     Index const rows = trial.full() ? 1000 : 800;
     Problem<double> const problem{
         .size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}};
     Records const records = white(size, rows, trial.seed({"replicate"}));
-    auto const filter = evaluated(trial.text("variant"), trial.text("evaluation")).make(problem, Seed{1});
+    std::string const& variant = trial.text("variant");
+    auto const& entry = trial.text("evaluation") == "fused" ? fused(variant) : trial.entry(variant);
+    auto const filter = entry.make(problem, Seed{1});
     std::vector<Index> looks;
     for (Index k = every; k <= rows; k += every) looks.push_back(k);
     at_each(certified(problem, records, looks, 20), *filter, records, [&](CertifiedSolution const& exact) {

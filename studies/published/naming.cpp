@@ -22,15 +22,13 @@ std::vector<std::string> nameable() {
 
 }  // namespace
 
-std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders,
-                                   int draws) {
+std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders) {
     if (!determine_theta(records, problem.forgetting)) return {};
     return compare::compare(records, {.forgetting = problem.forgetting,
                                       .p0 = problem.p0,
                                       .variants = nameable(),
                                       .arithmetics = {problem.word},
                                       .seed = orders,
-                                      .draws = draws,
                                       .threads = 1,
                                       .timings = false});
 }

@@ -13,10 +13,8 @@ namespace rlslab::studies::naming {
 using compare::Comparison;
 
 /// The forms that compare may name (dense, a row at a time), in the problem's word, by its lambda and prior. `orders`:
-/// the seed of the orders of rows; `draws` of the roundings, at most (0: as many as compare takes). Nothing where the
-/// rows do not determine theta.
-std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders,
-                                   int draws = 0);
+/// the seed of the orders of rows. Nothing where the rows do not determine theta.
+std::optional<Comparison> compared(Records const& records, DrawnProblem const& problem, std::uint64_t orders);
 
 /// "none" where compare names none.
 std::string named_in(std::optional<Comparison> const& comparison);

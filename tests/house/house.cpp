@@ -138,7 +138,6 @@ std::vector<Folder> const house{
     {"studies/fast", {"studies/engine", "fast"}},
     {"studies/maps", {"studies/engine"}},
     {"studies/published", {"studies/engine", "compare"}},
-    {"studies/theory", {"studies/engine"}},
     {"capi", {"catalogue/native"}},
     {"bench", {"catalogue", "report", "capi", "fast"}},
     {"program", {"compare", "identify", "studies/engine"}},

@@ -2,9 +2,9 @@
 #include <rlslab/studies/study_main.hpp>
 
 namespace rlslab::studies {
-extern Study const cost_recursion, hilbert;
+extern Study const fused_symmetry, sliding_window;
 }
 
 int main(int argc, char** argv) {
-    return rlslab::study_main(argc, argv, {rlslab::studies::cost_recursion, rlslab::studies::hilbert});
+    return rlslab::study_main(argc, argv, {rlslab::studies::fused_symmetry, rlslab::studies::sliding_window});
 }

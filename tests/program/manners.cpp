@@ -61,7 +61,7 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
     EXPECT_EQ(meant("x"), "");
     EXPECT_EQ(meant(""), "");
     EXPECT_EQ(meant(std::string(1000000, 'j')), "");
-    EXPECT_EQ(rlslab::nearest("gain", {"gain_error", "gain_error_memory"}), "") << "begins two names";
+    EXPECT_EQ(rlslab::nearest("gain", {"gain_error", "gain_error_size"}), "") << "begins two names";
     EXPECT_EQ(rlslab::nearest("gain_eror", {}), "");
 }
 
@@ -130,7 +130,7 @@ TEST_F(Program, WhatAKilledRunWasWritingIsRemovedByTheNext) {
     for (char const* name :
          {"a.csv.999999999.new", ".trials/b.999999999.new", "a.csv.1.new", "a.new", "999999999.new.csv"})
         write(std::string("out/") + name, "x");
-    ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
+    ASSERT_EQ(shell("rlslab study slicot --out out").code, 0);
     std::set<std::string> left;
     for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
         if (file.path().string().find(".new") != std::string::npos) left.insert(file.path().filename());
@@ -183,7 +183,7 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
     EXPECT_TRUE(coloured(shell("rlslab --color always" + compare).out));
     for (std::string const format : {"--json", "--csv"})
         EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
-    EXPECT_TRUE(coloured(shell("rlslab study gain_identities --out out --color=always").out));
+    EXPECT_TRUE(coloured(shell("rlslab study slicot --out out --color=always").out));
     refused("list --color=sometimes", "--color auto always never sometimes");
     for (std::string const command : {"list", "simulate --samples 30", "excitation ok.csv --input u", "--version"})
         for (std::string const option : {"--quiet", "--color=never"}) {
@@ -314,9 +314,8 @@ TEST_F(Completion, OffersCommandsOptionsAndNames) {
               "compare sweep study merge identify simulate excitation state list example cite help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation example ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
-    EXPECT_EQ(offered("rlslab study gain_e"),
-              "gain_error gain_error_size gain_error_growth gain_error_definiteness gain_error_memory ");
-    EXPECT_EQ(offered("rlslab study gain_error gain_id"), "gain_identities ");
+    EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_size gain_error_definiteness ");
+    EXPECT_EQ(offered("rlslab study gain_error slic"), "slicot ");
     EXPECT_EQ(offered("rlslab study --bu"), "--budget ");
     EXPECT_EQ(offered("rlslab --color never study --budget f"), "full ");
     EXPECT_EQ(offered("rlslab study --budget = f"), "full ") << "= is a word of its own to bash";
@@ -353,7 +352,7 @@ TEST_F(Completion, WorksInZsh) {
             .text;
     };
     EXPECT_THAT(completed("rlslab exc\t ok.c\t --inp\tu"), HasSubstr("ran excitation ok.csv --input=u"));
-    EXPECT_THAT(completed("rlslab study gain_id\t --fr\t"), HasSubstr("ran study gain_identities --fresh"));
+    EXPECT_THAT(completed("rlslab study slic\t --fr\t"), HasSubstr("ran study slicot --fresh"));
     EXPECT_THAT(completed("rlslab compare ok.csv --variants=ud,carl\t"),
                 HasSubstr("ran compare ok.csv --variants=ud,carlson"));
 }

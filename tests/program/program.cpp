@@ -43,7 +43,7 @@ TEST_F(Program, RefusesStudiesThatAreNotThere) {
     refused("study gain_error --all", "study --all");
     refused("study gain_eror", "study gain_eror gain_error");
     refused("study something", "study something list studies");
-    refused("study josef", "study josef joseph_condition");
+    refused("study josef", "study josef joseph_basis");
     refused("study gain_error --budget slow", "--budget quick full slow");
     refused("study gain_error --seed -1", "--seed");
     refused("study gain_error --threads 0", "--threads");

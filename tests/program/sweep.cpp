@@ -131,13 +131,13 @@ TEST_F(Program, RefusesPartsOfTwoSweepsInOneFolder) {
     std::string const sweep = "sweep ok.csv --input u --output y --order 1 --vary variant=ud --out shared ";
     ASSERT_EQ(shell("rlslab " + sweep + "--part 1/2").code, 0);
     refused(sweep + "--vary prior=1,2 --part 1/2", "holds parts of another sweep");
-    refused("study gain_identities --out shared --part 1/2", "holds parts of other studies");
+    refused("study slicot --out shared --part 1/2", "holds parts of other studies");
     refused("merge shared --out merged", "expected studies, budget and seed as rlslab study --part writes them");
     ASSERT_EQ(shell("rlslab " + sweep).code, 0);
     EXPECT_EQ(shell("rlslab " + sweep + "--vary prior=1,2 --part 1/2").code, 0);  // the other is finished
-    refused("study gain_identities --out shared",
+    refused("study slicot --out shared",
             "--out shared: holds what rlslab sweep made (sweep.csv); expected another folder");
-    ASSERT_EQ(shell("rlslab study gain_identities --out studies --quiet").code, 0);
+    ASSERT_EQ(shell("rlslab study slicot --out studies --quiet").code, 0);
     refused("sweep ok.csv --input u --output y --out studies", "--out studies: holds what rlslab study made");
 }
 TEST_F(Program, WarnsInASweepOfAColumnThatCounts) {

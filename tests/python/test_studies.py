@@ -11,19 +11,19 @@ from rlslab import _program
 
 
 def test_a_study(tmp_path):
-    s = rlslab.study("gain_identities", out=tmp_path / "out")
-    again = rlslab.study("gain_identities")
+    s = rlslab.study("gain_error", out=tmp_path / "out")
+    again = rlslab.study("gain_error")
     assert s.records == again.records and s.verdicts == again.verdicts
-    assert not s.changed and len(s.verdicts) == 14
+    assert not s.changed and len(s.verdicts) == 6
     assert {v["verdict"] for v in s.verdicts} <= {"holds", "fails", "undecided"}
     assert (tmp_path / "out/report.html").read_text() == s.report and "holds" in s.summary()
-    lines = (tmp_path / "out/gain_identities.csv").read_text().splitlines()
+    lines = (tmp_path / "out/gain_error.csv").read_text().splitlines()
     head, *body = [line for line in lines if not line.startswith("#")]
     assert list(s.records[0]) == head.split(",") and len(s.records) == len(body)
-    varied = rlslab.study("gain_identities", set={"lambda": [0.5, 0.75], "variant": "ud"})
+    varied = rlslab.study("gain_error", set={"lambda": [0.5, 0.75], "variant": "ud"})
     assert {v["verdict"] for v in varied.verdicts} == {"not judged: factors changed"} and not varied.changed
     assert {(r["lambda"], r["variant"]) for r in varied.records} == {(0.5, "ud"), (0.75, "ud")}
-    assert len(rlslab.study("accuracy_conditioning", seeds=2, set={"kappa": 10, "variant": "ud"}).records) > 1
+    assert len(rlslab.study("gain_error", seeds=2, set={"lambda": 1, "variant": "ud"}).records) > 1
 
 
 def test_a_sweep():
@@ -49,11 +49,11 @@ def test_cite():
 def test_what_is_refused():
     X, y = rows(20, 2)
     for call in (
-        lambda: rlslab.study("gain_identity"),
-        lambda: rlslab.study("gain_identities", set={"colour": "red"}),
-        lambda: rlslab.study("gain_identities", budget="slow"),
-        lambda: rlslab.study("gain_identities", seeds=0),
-        lambda: rlslab.study("gain_identities", seed=1.5),
+        lambda: rlslab.study("gain_eror"),
+        lambda: rlslab.study("slicot", set={"colour": "red"}),
+        lambda: rlslab.study("slicot", budget="slow"),
+        lambda: rlslab.study("slicot", seeds=0),
+        lambda: rlslab.study("slicot", seed=1.5),
         lambda: rlslab.study(3),
         lambda: rlslab.sweep(X, y, {"forgetting": [2]}),
         lambda: rlslab.sweep(X, y, {"forgetting": [1]}, row_orders=True),
@@ -63,8 +63,8 @@ def test_what_is_refused():
         lambda: rlslab.cite("udd"),
         lambda: rlslab.cite("--help"),
         lambda: rlslab.study("--help"),
-        lambda: rlslab.study("../gain_identities"),
-        lambda: rlslab.study("gain_identities", set={"--out": 1}),
+        lambda: rlslab.study("../slicot"),
+        lambda: rlslab.study("slicot", set={"--out": 1}),
         lambda: rlslab.cite(3),
     ):
         refuses(call, most=1000)
@@ -75,4 +75,4 @@ def test_pandas():
     X, y = rows(40, 2)
     s = rlslab.sweep(X, y, {"variant": ["ud", "qr"]})
     assert len(s.to_pandas()) == len(s.records)
-    assert len(rlslab.study("gain_identities").to_pandas()) > 2
+    assert len(rlslab.study("slicot").to_pandas()) > 2

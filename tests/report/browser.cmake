@@ -7,7 +7,7 @@ if(NOT BROWSER)
 endif()
 file(REMOVE_RECURSE ${WORK_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR})
-execute_process(COMMAND ${PROGRAM} study gain_error bierman prbs_gram precision_boundary --out ${WORK_DIR}
+execute_process(COMMAND ${PROGRAM} study gain_error bierman slicot precision_boundary --out ${WORK_DIR}
   RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
 if(failed)
   message(FATAL_ERROR "the studies failed: ${failed}")

@@ -113,14 +113,14 @@ TEST_F(Program, ListsEveryClaimWithItsBand) {
 }
 
 TEST_F(Program, AStudyLeavesTablesAndNumbersForPapers) {
-    ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
-    std::string const table = read(folder / "out" / "tables" / "gain_identities.tex"),
+    ASSERT_EQ(shell("rlslab study slicot --out out").code, 0);
+    std::string const table = read(folder / "out" / "tables" / "slicot.tex"),
                       numbers = read(folder / "out" / "numbers.tex");
     EXPECT_THAT(table, testing::HasSubstr("\\begin{longtable}"));
     EXPECT_THAT(table, testing::HasSubstr("& holds\\\\\n"));
     EXPECT_THAT(numbers, testing::HasSubstr("\\newcommand{\\runbudget}{quick}"));
-    EXPECT_THAT(numbers, testing::HasSubstr("\\csname rls@gain_identities@1\\endcsname{"));
-    EXPECT_THAT(numbers, testing::HasSubstr("\\csname rls@v@gain_identities@1\\endcsname{holds}"));
+    EXPECT_THAT(numbers, testing::HasSubstr("\\csname rls@slicot@1\\endcsname{"));
+    EXPECT_THAT(numbers, testing::HasSubstr("\\csname rls@v@slicot@1\\endcsname{holds}"));
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ TEST_F(Parts, OneRunOfAPartAtATimeAndNoneBesideTheWhole) {
 }
 
 TEST_F(Parts, AreMergedFromFoldersOfTheirOwn) {
-    auto const run = [&](std::string const& words) { return shell("rlslab study gain_identities " + words); };
+    auto const run = [&](std::string const& words) { return shell("rlslab study slicot " + words); };
     ASSERT_EQ(run("--out whole").code, 0);
     ::Outcome const half = run("--part 1/2 --out a");
     ASSERT_EQ(half.code, 0) << half.err;
@@ -131,26 +131,26 @@ TEST_F(Parts, AreMergedFromFoldersOfTheirOwn) {
     EXPECT_EQ(half.out, "");
     ::Outcome const early = shell("rlslab merge a --out merged");
     EXPECT_EQ(early.code, 2);
-    EXPECT_THAT(early.err, Names("trials gain_identities"));
+    EXPECT_THAT(early.err, Names("trials slicot"));
     EXPECT_FALSE(fs::exists(folder / "merged")) << "nothing is written before all are there";
     ASSERT_EQ(run("--part 2/2 --out b").code, 0);
     ::Outcome const merged = shell("rlslab merge a b --out merged");
     EXPECT_EQ(merged.code, 0) << merged.err;
-    for (char const* file : {"gain_identities.csv", "verdicts.json", "verdicts.csv", "report.html"})
+    for (char const* file : {"slicot.csv", "verdicts.json", "verdicts.csv", "report.html"})
         EXPECT_EQ(read(folder / "merged" / file), read(folder / "whole" / file)) << file;
 }
 
 TEST_F(Parts, RefuseWhatDoesNotFit) {
     for (char const* bad : {"0/2", "3/2", "1", "1/", "/2", "a/b", "1/2/3", "1/100001", "-1/2", "1.5/2", ""})
-        refused(std::string("study gain_identities --part \"") + bad + "\"", "--part I/N 1 N 100000");
-    refused("study gain_identities --part 1/2 --fresh", "--fresh --part");
-    refused("study gain_identities --part 1/2 --record r.json", "--record --part");
+        refused(std::string("study slicot --part \"") + bad + "\"", "--part I/N 1 N 100000");
+    refused("study slicot --part 1/2 --fresh", "--fresh --part");
+    refused("study slicot --part 1/2 --record r.json", "--record --part");
     fs::create_directories(folder / "empty");
     refused("merge empty", "empty --out --part .trials/run.json");
     refused("merge nowhere", "nowhere --out");
     refused("merge", "DIR");
-    ASSERT_EQ(shell("rlslab study gain_identities --part 1/2 --out a").code, 0);
-    ASSERT_EQ(shell("rlslab study gain_identities --part 2/2 --seed 2 --out b").code, 0);
+    ASSERT_EQ(shell("rlslab study slicot --part 1/2 --out a").code, 0);
+    ASSERT_EQ(shell("rlslab study slicot --part 2/2 --seed 2 --out b").code, 0);
     refused("merge a b --out c", "b");
     std::string const run = read(folder / "a" / ".trials" / "run.json");
     for (std::string const bad : {R"({})", R"([1])", R"({"studies": [1], "budget": "quick", "seed": 1})",
@@ -167,7 +167,7 @@ TEST_F(Parts, RefuseWhatDoesNotFit) {
     refused("merge a --out c", "a/.trials/run.json --part");
     fs::remove(folder / "a" / ".trials" / "run.json");
     write("a/.trials/run.json", run);
-    refused("study gain_identities --part 2/2 --seed 3 --out a", "a");
+    refused("study slicot --part 2/2 --seed 3 --out a", "a");
     refused("merge a --out \"\"", "--out");
     EXPECT_FALSE(fs::exists(folder / "c"));
 }
@@ -186,7 +186,7 @@ TEST_F(Parts, AreNotMergedIntoAFolderThatAnotherRunIsWriting) {
 /// stays.
 TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
     for (std::string const part : {"1", "2"})
-        ASSERT_EQ(shell("rlslab study gain_identities --part " + part + "/2 --out p" + part).code, 0);
+        ASSERT_EQ(shell("rlslab study slicot --part " + part + "/2 --out p" + part).code, 0);
     auto const with_seed_2 = [&](std::string const& file) {
         std::string text = read(folder / file);
         text.replace(text.find("\"seed\": 1"), 9, "\"seed\": 2");
@@ -194,12 +194,11 @@ TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
     };
     with_seed_2("p1/.trials/run.json");
     with_seed_2("p2/.trials/run.json");
-    std::string const before = read(folder / "p1" / ".trials" / "gain_identities.1-of-2");
-    refused("merge p1 p2 --out p1", "p1/.trials/gain_identities.1-of-2");
-    EXPECT_EQ(read(folder / "p1" / ".trials" / "gain_identities.1-of-2"), before);
-    ASSERT_EQ(shell("rlslab study gain_identities --seed 2 --out p2").code, 0);
-    EXPECT_TRUE(fs::exists(folder / "p2" / ".trials" / "gain_identities.2-of-2"))
-        << "a part of another run is not removed";
+    std::string const before = read(folder / "p1" / ".trials" / "slicot.1-of-2");
+    refused("merge p1 p2 --out p1", "p1/.trials/slicot.1-of-2");
+    EXPECT_EQ(read(folder / "p1" / ".trials" / "slicot.1-of-2"), before);
+    ASSERT_EQ(shell("rlslab study slicot --seed 2 --out p2").code, 0);
+    EXPECT_TRUE(fs::exists(folder / "p2" / ".trials" / "slicot.2-of-2")) << "a part of another run is not removed";
 }
 
 #ifdef RLSLAB_MPI
@@ -208,13 +207,13 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     auto const ranks = [&](int number, std::string const& words) {
         return shell(on_ranks(number, RLSLAB_MPI " " + words));
     };
-    ASSERT_EQ(shell("rlslab study gain_identities --out whole").code, 0);
-    std::string const whole = read(folder / "whole" / "gain_identities.csv");
+    ASSERT_EQ(shell("rlslab study slicot --out whole").code, 0);
+    std::string const whole = read(folder / "whole" / "slicot.csv");
     for (int const number : {1, 2, 3, 4}) {
         std::string const out = "ranks" + std::to_string(number);
-        ::Outcome const run = ranks(number, "study gain_identities --out " + out);
+        ::Outcome const run = ranks(number, "study slicot --out " + out);
         EXPECT_EQ(run.code, 0) << run.err;
-        EXPECT_EQ(read(folder / out / "gain_identities.csv"), whole) << number;
+        EXPECT_EQ(read(folder / out / "slicot.csv"), whole) << number;
     }
     EXPECT_NE(shell("(sleep 0.5; pkill -KILL -n -f \"study gain_error --out killed\") & " +
                     on_ranks(2, RLSLAB_MPI " study gain_error --out killed"))
@@ -224,7 +223,7 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     ASSERT_EQ(shell("rlslab study gain_error --out other").code, 0);
     EXPECT_EQ(read(folder / "killed" / "gain_error.csv"), read(folder / "other" / "gain_error.csv"));
     for (std::string const option : {"--part 1/2", "--fresh"}) {
-        ::Outcome const refused = ranks(2, "study gain_identities " + option);
+        ::Outcome const refused = ranks(2, "study slicot " + option);
         EXPECT_EQ(refused.err.find("does not go with ranks"), refused.err.rfind("does not go with ranks"))
             << refused.err;
         EXPECT_NE(refused.code, 0);
@@ -232,7 +231,7 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     std::string const help = ranks(2, "study --help").out;
     EXPECT_EQ(help.find("Usage: "), help.rfind("Usage: ")) << help;
     EXPECT_NE(help.find("Usage: "), help.npos);
-    ::Outcome const wrong = ranks(2, "study gain_identities --budget slow");
+    ::Outcome const wrong = ranks(2, "study slicot --budget slow");
     EXPECT_NE(wrong.code, 0);
     EXPECT_EQ(wrong.err.find("--budget: expected"), wrong.err.rfind("--budget: expected")) << wrong.err;
 }

@@ -3,8 +3,8 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/linalg/start.hpp>
 
-#include "studies/gain/turned_rotations.hpp"
 #include "tests/variants/gain_laws.hpp"
+#include "tests/variants/turned_rotations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ M root(Case<T> const& c) {
 }
 
 std::pair<M, std::vector<T>> inverse_qr(Case<T> const& c, Index wrong, T const& phi) {
-    return studies::turned_inverse_qr<T>(root(c), c.psi, c.lambda, wrong, phi);
+    return turned_inverse_qr<T>(root(c), c.psi, c.lambda, wrong, phi);
 }
 
 /// R of P^-1 = R'R by Gauss and Jordan, then Cholesky.
@@ -55,7 +55,7 @@ M information_root(Case<T> const& c) {
     return R;
 }
 std::pair<M, V> qr(Case<T> const& c, Index wrong, T const& phi) {
-    return studies::turned_qr<T>(information_root(c), c.psi, c.lambda, wrong, phi);
+    return turned_qr<T>(information_root(c), c.psi, c.lambda, wrong, phi);
 }
 
 TEST(AngleLaws, OfInverseQr) {

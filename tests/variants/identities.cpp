@@ -1,5 +1,5 @@
-// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23) to 2^-220 in Reference, also in
-// forms that take square roots. That they hold with == in rationals is study `identities`.
+// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23): with == in rationals, and to
+// 2^-220 in Reference, also in forms that take square roots.
 #include "tests/common/laws.hpp"
 
 #include <rlslab/variants/variants.hpp>
@@ -139,6 +139,21 @@ TEST(Identities, HoldInReferenceForEveryVariant) {
                 EXPECT_LE(worst[size_t(i)], tolerance) << F::name << ": " << title[size_t(i)];
         }
     });
+}
+
+TEST(Identities, AreExactInRationals) {
+    std::string violated;
+    int variants = 0;
+    for_each(Variants<Rational>{}, [&]<class F>() {
+        ++variants;
+        for (Rational const& lambda : {Rational(1), Rational(9) / 10}) {
+            auto const worst = violations<F>(lambda);
+            for (size_t i = 0; i < count; ++i)
+                if (worst[i] != 0) violated += std::string(F::name) + ": " + title[i] + "\n";
+        }
+    });
+    EXPECT_EQ(violated, "");
+    EXPECT_GE(variants, 9);
 }
 
 /// A correct filter with one report or one state distorted.

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace rlslab::studies {
+namespace rlslab {
 
 /// The new S of P = S S', S upper triangular, and b_1 ... b_d. Rotation `wrong` turns by phi more; -1: none.
 template <class T>
@@ -63,4 +63,4 @@ std::pair<Matrix<T>, Vector<T>> turned_qr(Matrix<T> R, Vector<T> const& psi, T c
     return {R, after};
 }
 
-}  // namespace rlslab::studies
+}  // namespace rlslab
