@@ -9,7 +9,7 @@
 
 namespace rlslab::studies {
 
-/// Every dense variant in fixed point, in the format of the calling thread's FixedScope. The catalogue has none of them.
+/// Every dense variant in fixed point, in the format of the calling thread's FixedScope. The catalogue has none.
 std::vector<CatalogueEntry> const& fixed_point_filters();
 /// symmetric, ud or qr in the same format, with a rounding after every operation, not after every sum; null for any
 /// other.
