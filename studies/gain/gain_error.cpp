@@ -61,7 +61,8 @@ Study const gain_error{
         "error only in the K that they report and do not use. In float and double the lines end on the floor of each "
         "arithmetic's own rounding, and there Joseph's form has no advantage. With forgetting the conventional form's "
         "asymmetry grows as lambda^-k on top (docs/theory.md 28), and without it as the number of steps "
-        "(docs/theory.md 36): beyond epsilon N of about 1 it has broken down. How large these errors are: study gain_error_size.",
+        "(docs/theory.md 36): beyond epsilon N of about 1 it has broken down. How large these errors are: study "
+        "gain_error_size.",
     .data = "white rows, d = 5",
     .factors =
         [](Budget budget) {
