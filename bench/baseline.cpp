@@ -1,4 +1,4 @@
-// Ratios from Google Benchmark's JSON, their file, and the comparison.
+// Ratios from Google Benchmark's JSON, and their file.
 #include "bench/baseline.hpp"
 #include "bench/results.hpp"
 
@@ -20,8 +20,9 @@ Ratio spread(std::vector<double> ratios) {
 /// Four digits: more than a time has.
 Json rounded(double x) { return Json::parse(fmt::format("{:.4g}", x)); }
 
-Times times_in(Json const& run) {
-    Times out;
+/// Nanoseconds of each row, one for each repetition.
+std::map<std::string, std::vector<double>> times_in(Json const& run) {
+    std::map<std::string, std::vector<double>> out;
     for (Json const& row : run.at("benchmarks"))
         if (row.value("run_type", "") == "iteration" && !row.value("error_occurred", false))
             out[row.at("run_name")].push_back(row.at("ns_per_update"));
@@ -30,18 +31,15 @@ Times times_in(Json const& run) {
 
 }  // namespace
 
-std::string machine_of_run(std::string const& run_json) { return machine_of(parsed_results(run_json)); }
-
-Times times_of(std::string const& run_json) { return times_in(parsed_results(run_json)); }
-
 Baseline baseline_of(std::string const& run_json) {
     Json const run = parsed_results(run_json);
-    Times times = times_in(run);
+    auto times = times_in(run);
     auto const scale = times.find(unit_row);
     if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", unit_row));
     Baseline out{machine_of(run), int(scale->second.size()), {}};
     double const unit = spread(scale->second).middle;
     for (auto& [name, of_row] : times) {
+        if (name != unit_row && !name.starts_with("update/")) continue;
         if (of_row.size() < 5) throw std::runtime_error(fmt::format("{}: expected at least five repetitions", name));
         for (double& time : of_row) time /= unit;
         out.rows[name] = spread(of_row);
@@ -112,18 +110,6 @@ Baselines read_baselines(std::string const& text) {
             if (three.size() != 3) throw std::runtime_error(fmt::format("{}: expected three numbers", name));
             b.rows[name] = {three[0], three[1], three[2]};
         }
-    }
-    return out;
-}
-
-std::vector<Moved> moved(Baseline const& before, Baseline const& now) {
-    std::vector<Moved> out;
-    for (auto const& [name, ratio] : now.rows) {
-        auto const old = before.rows.find(name);
-        if (old == before.rows.end()) continue;
-        bool const disjoint = ratio.greatest < old->second.least || old->second.greatest < ratio.least;
-        double const factor = ratio.middle / old->second.middle;
-        if (disjoint && (factor > 1.05 || factor < 1 / 1.05)) out.push_back({name, old->second, ratio});
     }
     return out;
 }

@@ -1,5 +1,5 @@
-// What a run of the benchmarks leaves for later ones on the same kind of machine: each row's time over that of the unit
-// row, and what moved since.
+// What a run of the benchmarks leaves for later ones on the same kind of machine: the time of each row that is shown,
+// over the unit row's.
 #pragma once
 
 #include <map>
@@ -23,14 +23,8 @@ struct Baseline {
     std::map<std::string, Ratio> rows;
 };
 
-/// Nanoseconds of each row, one for each repetition.
-using Times = std::map<std::string, std::vector<double>>;
-/// Of the JSON that Google Benchmark wrote. Throws nlohmann::json::exception for another.
-std::string machine_of_run(std::string const& run_json);
-Times times_of(std::string const& run_json);
-
-/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the unit row, or where a row has
-/// fewer than five repetitions.
+/// The unit row and update/..., which the site shows, of the JSON that Google Benchmark wrote. Throws
+/// std::runtime_error without the unit row, or where a row has fewer than five repetitions.
 Baseline baseline_of(std::string const& run_json);
 
 /// One for each kind of machine.
@@ -48,16 +42,5 @@ Baseline const& of_machine(Baselines const& all, std::string const& machine);
 std::string written(Baselines const& all);
 /// Throws std::runtime_error or nlohmann::json::exception for what written() does not write.
 Baselines read_baselines(std::string const& text);
-
-/// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where the
-/// repetitions of both runs are alike, n beside m do that with probability 2 n! m! / (n + m)! at most: 0.0006 for 7
-/// beside 7, for each row.
-struct Moved {
-    std::string name;
-    Ratio before, now;
-    double factor() const { return now.middle / before.middle; }
-};
-/// In the order of names; rows that only one of the two has are no part of it.
-std::vector<Moved> moved(Baseline const& before, Baseline const& now);
 
 }  // namespace rlslab::bench

@@ -21,7 +21,7 @@ int run_cite(std::vector<std::string> const& variants) {
         for (Source const* source : sources_of(variant))
             if (std::ranges::find(said, source) == said.end()) said.push_back(source);
     }
-    for (Source const* source : said) out += '\n' + source->bibtex();
+    for (Source const* source : said) out += '\n' + source->bibtex;
     print(out);
     return 0;
 }

@@ -78,7 +78,7 @@ std::string said_of(Study const& study) {
                                   study.data, study.interpretation);
     for (Claim const& claim : study.claims)
         out += fmt::format(" {} {} {}", claim.text, claim.basis.band, claim.basis.data);
-    for (Source const* source : sources_of(study.name)) out += ' ' + source->text;
+    for (Source const* source : sources_of(study.name)) out += ' ' + source->bibtex;
     return small(out);
 }
 bool is_about(Study const& study, std::vector<std::string> const& words) {

@@ -93,6 +93,23 @@ def site(folder):
     return faults, links, len(pages)
 
 
+def dead(root, texts):
+    """Places of the theory and the literature that are cited in the texts, and files that Markdown links to, which do
+    not exist."""
+    anchors = {n: set(re.findall(r'<a id="([\d.]+)">', (root / "docs" / n).read_text()))
+               for n in ("theory.md", "literature.md")}
+    out = []
+    for path, text in texts.items():
+        places = re.findall(r"docs/(theory\.md|literature\.md)[\s/*#]+(\d+(?:\.\d+)?)", text)
+        out += [f"{path.name}: {page} {number}" for page, number in places if number not in anchors[page]]
+        if path.suffix == ".md":
+            prose = re.sub(r"^```.*?^```$|`[^`\n]*`", "", text, flags=re.M | re.S)
+            links = [urllib.parse.unquote(t.partition("#")[0]) for t in re.findall(r"\]\(([^()\s]+)\)", prose)]
+            out += [f"{path.name}: {to}" for to in links
+                    if to and not re.match(r"[a-z]+:", to) and not (path.parent / to).exists()]
+    return out
+
+
 if __name__ == "__main__":
     import sys
     faults, links, count = site(pathlib.Path(sys.argv[1]))

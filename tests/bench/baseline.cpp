@@ -1,10 +1,7 @@
-// What moved since a baseline: a planted slowdown is found, scatter and another clock are not. How a run stands to a
-// limit.
+// The times on record: read and written, of one kind of machine, added to. The table of times.
+#include "bench/baseline.hpp"
 #include "bench/choice.hpp"
-#include "bench/limits.hpp"
 #include "bench/measured.hpp"
-
-#include <rlslab/core/random.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,23 +32,6 @@ std::string run(std::vector<double> const& times, double clock = 1, double distu
 }
 std::vector<double> const quiet{100, 101, 102, 100, 103, 101, 102};
 
-TEST(BenchBaseline, TellsOfARowThatBecameSlower) {
-    Baseline const before = baseline_of(run(quiet)), now = baseline_of(run({115, 112, 111, 118, 113, 112, 114}));
-    auto const found = moved(before, now);
-    ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found[0].name, "update/ud/double/16");
-    EXPECT_NEAR(found[0].factor(), 113.0 / 101, 1e-12);
-    EXPECT_LT(moved(now, before)[0].factor(), 1) << "and of one that became faster";
-    EXPECT_EQ(moved(before, baseline_of(run({115, 112, 111, 118, 113, 112, 114}, 1, 3))).size(), 1u)
-        << "whatever befell the unit row once";
-}
-TEST(BenchBaseline, IsSilentAboutScatterAboutASmallStepAndAboutAnotherClock) {
-    Baseline const before = baseline_of(run(quiet));
-    EXPECT_TRUE(moved(before, baseline_of(run({115, 112, 101, 118, 113, 112, 114}))).empty())
-        << "one repetition among the old ones";
-    EXPECT_TRUE(moved(before, baseline_of(run({104, 104, 105, 104, 105, 104, 104}))).empty()) << "4 %";
-    EXPECT_TRUE(moved(before, baseline_of(run(quiet, 1.7))).empty());
-}
 /// Google Benchmark writes NaN for the relative scatter of numbers whose mean is 0: thirteen minutes of benchmarks
 /// ended in a parse error.
 TEST(BenchBaseline, ReadsAnAggregateThatIsNotANumber) {
@@ -66,7 +46,7 @@ TEST(BenchBaseline, IsReadBackAsItWasWritten) {
     Baselines const read = read_baselines(written(made));
     ASSERT_EQ(read.size(), 2u);
     EXPECT_EQ(read[0].machine, "a processor, avx2, a compiler");
-    EXPECT_EQ(read[1].machine, machine_of_run(run(quiet, 1, 1, "avx512")));
+    EXPECT_EQ(read[1].machine, "a processor, avx512, a compiler");
     EXPECT_EQ(read[0].repetitions, 7);
     ASSERT_EQ(read[0].rows.size(), 2u);
     EXPECT_NEAR(read[0].rows.at("update/ud/double/16").greatest, 10.3, 1e-3);
@@ -131,52 +111,6 @@ TEST(BenchBaseline, RefusesWhatCannotBeCompared) {
     EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no unit row";
     EXPECT_THROW(baseline_of("not JSON"), std::exception);
     EXPECT_THROW(read_baselines("{}"), std::exception);
-}
-
-TEST(BenchLimits, GiveARatioOfMediansAndItsInterval) {
-    Interval const exact = ratio_of({{2, 2, 2}, {4, 4, 4}}, {{3, 3, 3}});
-    EXPECT_EQ(exact.low, 2);
-    EXPECT_EQ(exact.middle, 2);
-    EXPECT_EQ(exact.high, 2);
-    Interval const scattered = ratio_of({quiet}, {{50, 50, 50, 50, 50}});
-    EXPECT_EQ(scattered.middle, 101.0 / 50);
-    EXPECT_EQ(scattered.low, 2);
-    EXPECT_EQ(scattered.high, 102.0 / 50);
-}
-/// Two rows of the same law: the interval leaves out the ratio 1 about once in twenty times. Seven repetitions are few:
-/// once in ten is let pass.
-TEST(BenchLimits, CoverTheTrueRatio) {
-    rlslab::Seed seed{5};
-    auto const repetitions = [&] {
-        std::vector<double> out(7);
-        for (double& x : out) x = 100 + seed.bell();
-        return out;
-    };
-    int outside = 0;
-    constexpr int trials = 100;
-    for (int trial = 0; trial < trials; ++trial) {
-        Interval const ratio = ratio_of({repetitions()}, {repetitions()});
-        outside += ratio.low > 1 || ratio.high < 1;
-    }
-    EXPECT_LE(outside, trials / 10);
-}
-TEST(BenchLimits, HoldAreMissedOrStayOpen) {
-    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1.1}), Verdict::held);
-    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1}), Verdict::open);
-    EXPECT_EQ(verdict({1, 0.9, 1.1}, {0.8}), Verdict::missed);
-    EXPECT_EQ(verdict({1, 0.9, 1.1}, {0.9, true}), Verdict::held);
-    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1, true}), Verdict::open);
-    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1.2, true}), Verdict::missed);
-}
-TEST(BenchLimits, AreToldOfRowsThatAreThere) {
-    Times const times{{"update/ud/double/64", {90, 90, 90}},
-                      {"update/conventional/double/64", {100, 100, 100}},
-                      {"peer/dlib/double/64", {300, 300, 300}}};
-    EXPECT_EQ(table_of_limits(times),
-              "| ratio of times, and its limit | measured | |\n|---|---|---|\n"
-              "| `conventional` / dlib: at most 0.2, at 64 0.22, at 128 0.24 | 64: 0.33 [0.33, 0.33] | "
-              "**missed** 64 |\n"
-              "| `ud` / dlib: at most 0.25 | 64: 0.30 [0.30, 0.30] | **missed** 64 |\n");
 }
 
 TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {

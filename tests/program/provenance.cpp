@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
 #include <regex>
 #include <set>
 
@@ -79,35 +80,26 @@ TEST_F(Program, CitesItselfAndTheSourcesOfVariants) {
     EXPECT_THAT(both, HasSubstr("@misc{thornton1976,\n  author    = {Thornton, C. L.},\n"));
     refused("cite udd", "cite: no variant \"udd\" (did you mean \"ud\"?)");
 }
-/// An entry that cannot be parsed has no title or year.
+/// A variant has a source with authors and a title; a title is on the page that says what was read; keys differ.
 TEST(Bibliography, HasASourceForEveryVariant) {
+    auto const flat = [](std::string const& text) { return std::regex_replace(text, std::regex("\\s+"), " "); };
+    std::ifstream file(RLSLAB_SOURCE_DIR "/docs/literature.md");
+    std::string const page = flat({std::istreambuf_iterator<char>(file), {}});
+    std::set<std::string> keys;
+    for (auto const& source : rlslab::program::sources()) {
+        std::smatch key, title;
+        ASSERT_TRUE(std::regex_search(source.bibtex, key, std::regex("^@[a-z]+\\{([a-z0-9]+),\n")));
+        EXPECT_TRUE(keys.insert(key[1]).second) << key[1];
+        if (std::regex_search(source.bibtex, title, std::regex("  title     = \\{(.*)\\}"))) {
+            EXPECT_NE(page.find(std::regex_replace(title[1].str(), std::regex("\\\\"), "")), page.npos) << title[1];
+        }
+    }
     for (rlslab::CatalogueEntry const* const v : rlslab::one_entry_each()) {
         auto const sources = rlslab::program::sources_of(v->variant);
         EXPECT_FALSE(sources.empty()) << v->variant;
-        std::set<std::string> keys;
-        for (auto const* const source : sources) {
-            EXPECT_FALSE(source->author.empty() || source->title.empty() || source->venue.empty()) << source->text;
-            EXPECT_TRUE(!source->year.empty() || source->venue.find("several editions") != source->venue.npos)
-                << source->text;
-            EXPECT_TRUE(keys.insert(source->key()).second) << source->key();
-            EXPECT_EQ(source->bibtex().find("ead."), std::string::npos) << source->bibtex();  // what was read of it
-            // Read back, the entry is the page's: the same persons, then the same title.
-            std::smatch m;
-            std::string const entry = source->bibtex();
-            ASSERT_TRUE(
-                std::regex_search(entry, m, std::regex("author    = \\{([^{}]*)\\},\n  title     = \\{([^{}]*)\\}")))
-                << entry;
-            std::string persons = std::regex_replace(m[1].str(), std::regex(" and "), ", & ");
-            for (size_t at; persons.find(", & ") != (at = persons.rfind(", & "));)
-                persons.replace(persons.find(", & "), 4, ", ");
-            EXPECT_TRUE(source->text.starts_with(persons + " " + m[2].str())) << entry;
-            EXPECT_TRUE(std::regex_match(
-                m[1].str(), std::regex("([^,.;]+, ([A-Z]\\.[ -]?)+( and [^,.;]+, ([A-Z]\\.[ -]?)+)*|[^,;]*)")))
-                << entry;
-            EXPECT_EQ(m[2].str().find_first_of(";("), std::string::npos) << entry;
-            EXPECT_FALSE(std::regex_search(entry, std::regex("howpublished = [^\n]*, " + source->year + "\\}")))
-                << entry;
-        }
+        for (auto const* const source : sources)
+            EXPECT_TRUE(std::regex_search(source->bibtex, std::regex("  author    = \\{[^}]+\\},\n  title     = ")))
+                << source->bibtex;
     }
 }
 

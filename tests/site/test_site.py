@@ -232,6 +232,15 @@ class Sources(unittest.TestCase):
             name = re.sub(r"\B(?=[A-Z])", "_", kind).lower()
             self.assertEqual([known[name][b][word][d] for b in ("m3", "m4f", "m7")], counts)
 
+    def test_places_and_links_of_the_sources_exist(self):
+        texts = {p: p.read_text() for room in ("src", "variants", "fast", "studies", "tests", "docs", "site", ".")
+                 for p in (root / room).glob("*" if room == "." else "**/*") if p.suffix in (".cpp", ".hpp", ".md")}
+        self.assertEqual(check.dead(root, texts), [])
+        page = root / "docs/a.md"
+        self.assertEqual([f.partition(": ")[2] for f in check.dead(root, {
+            page: "docs/" + "theory.md 1, docs/" + "theory.md\n/// 999, [a](nowhere.hpp), [b](../README.md)"})],
+            ["theory.md 999", "nowhere.hpp"])
+
     def test_a_dead_link_and_a_request_are_found(self):
         with tempfile.TemporaryDirectory() as folder:
             page = pathlib.Path(folder) / "a.html"
