@@ -240,7 +240,7 @@ TEST(NativeFromState, ForgedBytesAskForNoMemory) {
         std::vector<std::byte> const whole = saved(*native::make("ud", "float", options));
         StateHeader header;
         ASSERT_EQ(StateHeader::read(whole, header), StateFault::none);
-        std::size_t const first = StateHeader::size + entries_in(header, whole).size();
+        std::size_t const first = StateHeader::size + entries_in(whole).size();
         for (std::size_t at = 8; at < first; ++at)
             for (int const change : {1, 0x40, 0x80, 0xff}) {
                 std::vector<std::byte> forged = whole;
