@@ -75,7 +75,6 @@ std::unique_ptr<ComposedFilter> composed_in(Composition const& c, std::string_vi
 std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant,
                                          std::string_view arithmetic, Problem<double> const& problem) {
     expects(composition.window >= 0, "a window of rows >= 0 (0: none)");
-    expects(composition.guard.empty() || find_policy(composition.guard), "the name of a guard's policy");
     if (!contradiction(composition).empty() || !obstacle(composition, variant).empty()) return nullptr;
     size_t const numbers = composition.control.empty() ? 0 : control_named(composition.control).parameters.size();
     expects(composition.parameters.size() == numbers, "all numbers of the control, and no more");

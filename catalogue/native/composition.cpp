@@ -59,6 +59,7 @@ GuardPolicy Composition::policy() const {
 }
 
 std::string contradiction(Composition const& c) {
+    static_cast<void>(c.policy());  // throws where no policy has the guard's name
     if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
     return "";
 }
