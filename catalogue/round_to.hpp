@@ -12,13 +12,9 @@ template <class Scalar>
 struct RoundingSeedScope {
     explicit RoundingSeedScope(Seed&) {}
 };
-template <Format F>
-struct RoundingSeedScope<Chopped<F, Rounding::stochastic>> : StochasticStream {
-    using StochasticStream::StochasticStream;
-};
-
-template <>
-struct RoundingSeedScope<VariablePrecision> : StochasticStream {
+template <class Rule>
+    requires Rule::may_draw
+struct RoundingSeedScope<Rounded<Rule>> : StochasticStream {
     using StochasticStream::StochasticStream;
 };
 
@@ -52,15 +48,11 @@ struct DataRounding {
     }
 };
 /// Data are rounded to nearest, whatever the rounding of the operations, and the reference is given the same bits.
-template <Format F, Rounding R>
-struct DataRounding<Chopped<F, R>> {
-    static constexpr bool stochastic = R == Rounding::stochastic;
-    static double round(double x) { return static_cast<double>(Chopped<F>(x)); }
-};
-template <>
-struct DataRounding<VariablePrecision> {
-    static constexpr bool stochastic = false;  // where it is, the arithmetic at run time says so
-    static double round(double x) { return nearest_in(PrecisionScope::format(), x); }
+template <class Rule>
+struct DataRounding<Rounded<Rule>> {
+    /// Where a setting of the thread decides, the arithmetic at run time says so.
+    static constexpr bool stochastic = Rule::may_draw && std::is_empty_v<typename Rule::Setting>;
+    static double round(double x) { return Rule::nearest(x); }
 };
 
 /// x as T stores it.

@@ -1,11 +1,7 @@
 // Significands of p bits whose operations round stochastically with r random bits, or to nearest.
 #pragma once
 
-#include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/catalogue/round_to.hpp>
-
-#include <compare>
 
 namespace rlslab::studies {
 
@@ -39,99 +35,44 @@ constexpr double round_at_random(double head, double tail, RandomRounding const&
 
 /// Sets the rule by which RandomlyRounded rounds in this thread until this object is destroyed. Throws
 /// std::invalid_argument for a rule whose numbers are out of range.
-class [[nodiscard]] RandomRoundingScope {
-    static inline constinit thread_local RandomRounding current_{};
-    RandomRounding previous_;
-
+class [[nodiscard]] RandomRoundingScope : rlslab::detail::ThreadScope<RandomRounding> {
 public:
-    explicit RandomRoundingScope(RandomRounding const& rule) : previous_(current_) {
+    explicit RandomRoundingScope(RandomRounding const& rule) : ThreadScope(rule) {
         if (rule.digits < 2 || rule.digits > 53 || rule.random_bits < 0 || rule.random_bits > 53 - rule.digits)
             throw std::invalid_argument("expected 2 to 53 digits, and at most 53 random bits and digits together");
-        current_ = rule;
     }
-    ~RandomRoundingScope() { current_ = previous_; }
-    RandomRoundingScope(RandomRoundingScope const&) = delete;
-    RandomRoundingScope& operator=(RandomRoundingScope const&) = delete;
-    static RandomRounding const& rule() { return current_; }
+    static RandomRounding const& rule() { return now(); }
+};
+
+struct AtRandom {
+    static constexpr std::string_view name = "random";
+    static constexpr Format widest{53, -1022, 1023};
+    static Format format() { return {setting().digits, -1022, 1023}; }
+
+    template <class Tail>
+    static double round(double head, Tail tail) {
+        RandomRounding const& rule = setting();
+        if (rule.random_bits == 0) return round_to_bits(head, tail(), rule.digits);
+        return round_at_random(head, tail(), rule, [] { return StochasticStream::current().next(); });
+    }
+    static double of(double x) { return nearest(x); }
+    static double nearest(double x) { return round_to_bits(x, 0, setting().digits); }
+    static bool is_number(double) { return true; }
+
+    static constexpr bool may_draw = true;
+    static bool draws() { return setting().random_bits != 0; }
+    using Setting = RandomRounding;
+    using Scope = RandomRoundingScope;
+    static Setting const& setting() { return RandomRoundingScope::rule(); }
 };
 
 /// A number whose operations round by the thread's RandomRoundingScope. Where that is at random they draw from its
 /// StochasticStream. Made from a double it is rounded to nearest, as data are.
-class RandomlyRounded {
-    double value_ = 0;
-    struct AlreadyRounded {};
-    RandomlyRounded(double x, AlreadyRounded) : value_(x) {}
-    static RandomlyRounded rounded(double head, double tail) {
-        RandomRounding const& rule = RandomRoundingScope::rule();
-        if (rule.random_bits == 0) return {round_to_bits(head, tail, rule.digits), AlreadyRounded{}};
-        return {round_at_random(head, tail, rule, [] { return StochasticStream::current().next(); }), AlreadyRounded{}};
-    }
-
-public:
-    RandomlyRounded() = default;
-    explicit RandomlyRounded(double x) : value_(round_to_bits(x, 0, RandomRoundingScope::rule().digits)) {}
-    explicit operator double() const { return value_; }
-
-    friend RandomlyRounded operator+(RandomlyRounded a, RandomlyRounded b) {  // Knuth's TwoSum: the tail is exact
-        double const x = a.value_, y = b.value_, sum = x + y, of_y = sum - x, of_x = sum - of_y;
-        return rounded(sum, (x - of_x) + (y - of_y));
-    }
-    friend RandomlyRounded operator-(RandomlyRounded a, RandomlyRounded b) { return a + -b; }
-    friend RandomlyRounded operator*(RandomlyRounded a, RandomlyRounded b) {
-        double const product = a.value_ * b.value_;
-        return rounded(product, std::fma(a.value_, b.value_, -product));
-    }
-    friend RandomlyRounded operator/(RandomlyRounded a, RandomlyRounded b) {  // the remainder is exact
-        double const quotient = a.value_ / b.value_;
-        return rounded(quotient, quotient == 0 ? 0.0 : std::fma(-quotient, b.value_, a.value_) / b.value_);
-    }
-    friend RandomlyRounded operator-(RandomlyRounded a) { return {-a.value_, AlreadyRounded{}}; }
-    friend RandomlyRounded sqrt(RandomlyRounded a) {
-        double const root = std::sqrt(a.value_);
-        return rounded(root, std::fma(-root, root, a.value_));
-    }
-    RandomlyRounded& operator+=(RandomlyRounded b) { return *this = *this + b; }
-    RandomlyRounded& operator-=(RandomlyRounded b) { return *this = *this - b; }
-    RandomlyRounded& operator*=(RandomlyRounded b) { return *this = *this * b; }
-    RandomlyRounded& operator/=(RandomlyRounded b) { return *this = *this / b; }
-
-    friend RandomlyRounded abs(RandomlyRounded a) { return {rlslab::detail::magnitude(a.value_), AlreadyRounded{}}; }
-    friend bool isfinite(RandomlyRounded a) { return rlslab::detail::is_number(a.value_); }
-    friend bool operator==(RandomlyRounded const&, RandomlyRounded const&) = default;
-    friend auto operator<=>(RandomlyRounded const&, RandomlyRounded const&) = default;
-};
+using RandomlyRounded = Rounded<AtRandom>;
 
 }  // namespace rlslab::studies
 
-namespace rlslab {
-
 template <>
-struct ArithmeticTraits<studies::RandomlyRounded> {
-    static constexpr std::string_view name = "random";
-    static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
-};
-template <>
-inline int significand_bits<studies::RandomlyRounded>() {
+inline int rlslab::significand_bits<rlslab::studies::RandomlyRounded>() {
     return studies::RandomRoundingScope::rule().digits;
 }
-template <>
-struct RoundingSeedScope<studies::RandomlyRounded> : StochasticStream {
-    using StochasticStream::StochasticStream;
-};
-/// The draws of what is no part of the algorithm are taken back.
-template <>
-struct UncountedScope<studies::RandomlyRounded> : UncountedScope<Chopped<binary16, Rounding::stochastic>> {};
-template <>
-struct Encoding<studies::RandomlyRounded> : EncodingInDouble<studies::RandomlyRounded, detail::AnyDouble> {};
-
-}  // namespace rlslab
-
-template <>
-struct Eigen::NumTraits<rlslab::studies::RandomlyRounded>
-    : rlslab::detail::StorageTraits<rlslab::studies::RandomlyRounded> {
-    using Number = rlslab::studies::RandomlyRounded;
-    static Number highest() { return Number(std::numeric_limits<double>::max()); }
-    static Number lowest() { return -highest(); }
-    static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }
-    static Number quiet_NaN() { return Number(std::numeric_limits<double>::quiet_NaN()); }
-};

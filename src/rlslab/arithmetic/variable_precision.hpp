@@ -3,10 +3,6 @@
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/arithmetic/storage_traits.hpp>
-
-#include <cmath>
-#include <compare>
 
 namespace rlslab {
 
@@ -28,22 +24,18 @@ struct RunTimeFormat {
 /// Sets the format to which VariablePrecision rounds in this thread until this object is destroyed; then the previous
 /// one applies again. Without any scope it has 53 bits. Stochastic rounding needs a StochasticStream besides. Throws
 /// std::invalid_argument for a format that is not valid().
-class [[nodiscard]] PrecisionScope {
-    static inline constinit thread_local RunTimeFormat current_{};
-    RunTimeFormat previous_;
+class [[nodiscard]] PrecisionScope : detail::ThreadScope<RunTimeFormat> {
+    static RunTimeFormat const& checked(RunTimeFormat const& format) {
+        expects(format.valid(), format.has_range() ? "a format that double can emulate (fits_in_double)"
+                                                   : "2 to 53 bits of precision, rounded to nearest without a range");
+        return format;
+    }
 
 public:
     explicit PrecisionScope(int bits) : PrecisionScope(RunTimeFormat{{bits, -1022, 1023}}) {}
-    explicit PrecisionScope(RunTimeFormat const& format) : previous_(current_) {
-        expects(format.valid(), format.has_range() ? "a format that double can emulate (fits_in_double)"
-                                                   : "2 to 53 bits of precision, rounded to nearest without a range");
-        current_ = format;
-    }
-    ~PrecisionScope() { current_ = previous_; }
-    PrecisionScope(PrecisionScope const&) = delete;
-    PrecisionScope& operator=(PrecisionScope const&) = delete;
-    static RunTimeFormat const& format() { return current_; }
-    static int bits() { return current_.format.digits; }
+    explicit PrecisionScope(RunTimeFormat const& format) : ThreadScope(checked(format)) {}
+    static RunTimeFormat const& format() { return now(); }
+    static int bits() { return now().format.digits; }
 };
 
 /// head + tail rounded to p bits, ties to even. head is the double nearest to the exact value, tail has the sign of the
@@ -64,80 +56,38 @@ inline double nearest_in(RunTimeFormat const& f, double x) {
     return f.has_range() ? round_to_nearest(x, f.format) : round_to_bits(x, 0, f.format.digits);
 }
 
-/// A number of the format that the thread's current PrecisionScope sets when it is made.
-class VariablePrecision {
-    double value_ = 0;
-    struct AlreadyRounded {};
-    VariablePrecision(double x, AlreadyRounded) : value_(x) {}
+namespace detail {
+struct InFormatOfNow {
+    static constexpr std::string_view name = "bits";
+    static constexpr Format widest{53, -1022, 1023};
+    static Format format() { return PrecisionScope::format().format; }
 
-    /// `rest` has the sign of the exact result minus head, and rest / by is their difference.
-    static VariablePrecision rounded(double head, double rest, double by = 1) {
+    template <class Tail>
+    static double round(double head, Tail tail) {
         RunTimeFormat const& now = PrecisionScope::format();
         if (!now.has_range()) [[likely]]
-            return {round_to_bits(head, rest, now.format.digits), AlreadyRounded{}};
-        if (now.rounding == Rounding::nearest) return {round_to_nearest(head, now.format), AlreadyRounded{}};
-        double const tail = rest == 0 ? 0.0 : rest / by;
-        if (now.rounding == Rounding::toward_zero) return {round_toward_zero(head, tail, now.format), AlreadyRounded{}};
-        return {round_stochastically(head, tail, now.format, &StochasticStream::uniform), AlreadyRounded{}};
+            return round_to_bits(head, tail(), now.format.digits);
+        if (now.rounding == Rounding::nearest) return round_to_nearest(head, now.format);
+        if (now.rounding == Rounding::toward_zero) return round_toward_zero(head, tail(), now.format);
+        return round_stochastically(head, tail(), now.format, &StochasticStream::uniform);
     }
+    static double of(double x) {
+        return round(x, [] { return 0.0; });
+    }
+    static double nearest(double x) { return nearest_in(PrecisionScope::format(), x); }
+    static bool is_number(double) { return true; }  // it may be longer than the format of now: it was made before
 
-public:
-    VariablePrecision() = default;
-    explicit VariablePrecision(double x) : VariablePrecision(rounded(x, 0)) {}
-    explicit operator double() const { return value_; }
-
-    friend VariablePrecision operator+(VariablePrecision a, VariablePrecision b) {  // Knuth's TwoSum: the tail is exact
-        double const x = a.value_, y = b.value_, sum = x + y, of_y = sum - x, of_x = sum - of_y;
-        return rounded(sum, (x - of_x) + (y - of_y));
-    }
-    friend VariablePrecision operator-(VariablePrecision a, VariablePrecision b) { return a + -b; }
-    friend VariablePrecision operator*(VariablePrecision a, VariablePrecision b) {
-        double const product = a.value_ * b.value_;
-        return rounded(product, std::fma(a.value_, b.value_, -product));
-    }
-    friend VariablePrecision operator/(VariablePrecision a, VariablePrecision b) {  // the remainder is exact
-        double const quotient = a.value_ / b.value_;
-        return rounded(quotient, quotient == 0 ? 0.0 : std::fma(-quotient, b.value_, a.value_) / b.value_);
-    }
-    friend VariablePrecision operator-(VariablePrecision a) { return {-a.value_, AlreadyRounded{}}; }
-    friend VariablePrecision sqrt(VariablePrecision a) {
-        double const root = std::sqrt(a.value_);
-        return rounded(root, std::fma(-root, root, a.value_), 2 * root);  // (sqrt(x) - root) (sqrt(x) + root)
-    }
-    VariablePrecision& operator+=(VariablePrecision b) { return *this = *this + b; }
-    VariablePrecision& operator-=(VariablePrecision b) { return *this = *this - b; }
-    VariablePrecision& operator*=(VariablePrecision b) { return *this = *this * b; }
-    VariablePrecision& operator/=(VariablePrecision b) { return *this = *this / b; }
-
-    friend VariablePrecision abs(VariablePrecision a) { return {detail::magnitude(a.value_), AlreadyRounded{}}; }
-    friend bool isfinite(VariablePrecision a) { return detail::is_number(a.value_); }
-    friend bool operator==(VariablePrecision const&, VariablePrecision const&) = default;
-    friend auto operator<=>(VariablePrecision const&, VariablePrecision const&) = default;
+    static constexpr bool may_draw = true;
+    static bool draws() { return setting().rounding == Rounding::stochastic; }
+    using Setting = RunTimeFormat;
+    using Scope = PrecisionScope;
+    static Setting const& setting() { return PrecisionScope::format(); }
 };
+}  // namespace detail
 
-/// The parts have the format; where it rounds at random, each draws as those of a Chopped do.
-template <>
-struct ThreadState<VariablePrecision> {
-    RunTimeFormat format = PrecisionScope::format();
-    std::uint64_t drawn = format.rounding == Rounding::stochastic ? StochasticStream::current().next() : 0;
-    class Part {
-        PrecisionScope precision_;
-        Seed seed_;
-        StochasticStream stream_;
+/// A number of the format that the thread's current PrecisionScope sets when it is made.
+using VariablePrecision = Rounded<detail::InFormatOfNow>;
 
-    public:
-        Part(ThreadState const& state, std::uint64_t part)
-            : precision_(state.format), seed_{Seed{state.drawn + part}.next()}, stream_(seed_) {}
-    };
-};
-template <>
-struct UncountedScope<VariablePrecision> : UncountedScope<HalfStochastic> {};
-
-template <>
-struct ArithmeticTraits<VariablePrecision> {
-    static constexpr std::string_view name = "bits";
-    static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
-};
 template <>
 inline int significand_bits<VariablePrecision>() {
     return PrecisionScope::bits();
@@ -151,22 +101,4 @@ inline int max_exponent<VariablePrecision>() {
     return PrecisionScope::format().format.max_exp;
 }
 
-namespace detail {
-struct AnyDouble {
-    bool operator()(double) const { return true; }
-};
-}  // namespace detail
-/// A number may be longer than the format of now: it was made before.
-template <>
-struct Encoding<VariablePrecision> : EncodingInDouble<VariablePrecision, detail::AnyDouble> {};
-
 }  // namespace rlslab
-
-template <>
-struct Eigen::NumTraits<rlslab::VariablePrecision> : rlslab::detail::StorageTraits<rlslab::VariablePrecision> {
-    using Number = rlslab::VariablePrecision;
-    static Number highest() { return Number(rlslab::largest(rlslab::PrecisionScope::format().format)); }
-    static Number lowest() { return -highest(); }
-    static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }
-    static Number quiet_NaN() { return Number(std::numeric_limits<double>::quiet_NaN()); }
-};
