@@ -1,62 +1,49 @@
 // Rounding with few random bits: its probabilities, counted over all draws, and its agreement with the
 // other roundings.
 #include "studies/definiteness/random_rounding.hpp"
+#include "tests/common/rounding.hpp"
 
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-
 namespace rlslab {
 using namespace studies;
 namespace {
 
 using Surplus = RandomRounding::Surplus;
-constexpr auto no_draw = []() -> std::uint64_t {
-    ADD_FAILURE() << "a draw";
-    return 0;
-};
-
-/// How many of the 2^r draws round x up, by round(x, draw).
-template <class Round>
-long ups(double x, int r, Round round) {
-    long out = 0;
-    for (std::uint64_t n = 0; n < std::uint64_t{1} << r; ++n) out += round(x, (n << (64 - r)) | 0x5a5a5a) > std::abs(x);
-    return out;
-}
-/// 2^r f, and the same as the rule has it: x = (2^(p-1) + n + f) 2^(e-p+1), all in integers.
-long of_all(double x, RandomRounding const& rule) {
-    int e;
-    double const scaled = std::ldexp(std::frexp(std::abs(x), &e), rule.digits), f = scaled - std::floor(scaled);
-    double const chance = std::ldexp(f, rule.random_bits);
-    return long(std::floor(rule.surplus == Surplus::half ? chance + 0.5 : chance));
+using Rounder = std::function<double(double x, RandomRounding const& rule, std::uint64_t draw)>;
+double at_random(double x, RandomRounding const& rule, std::uint64_t draw) {
+    return round_at_random(x, 0, rule, [=] { return draw; });
 }
 
+/// Of the 2^r draws as many round x up as the rule says: 2^r f, whole or to nearest, by a search among the numbers.
+bool goes_up_as_often(Rounder const& round, double x, RandomRounding const& rule) {
+    Format const f{rule.digits, -900, 900};
+    auto const against = rounding::exactly('*', x, 1);
+    rounding::Place const place = rounding::place_of(f, x, against);
+    double const below = rounding::number(f, place), gap = rounding::number(f, place + 1) - below;
+    for (std::uint64_t n = 0; n < std::uint64_t{1} << rule.random_bits; ++n) {
+        double const least = std::ldexp(double(n) + (rule.surplus == Surplus::half ? 0.5 : 1), -rule.random_bits);
+        double const expected = against(below, least * gap) >= 0 ? below + gap : below;
+        if (std::abs(round(x, rule, (n << (64 - rule.random_bits)) | 0x5a5a5a)) != expected) return false;
+    }
+    return true;
+}
 TEST(RandomRounding, TheOuterNeighbourIsTakenAsOftenAsTheRuleSays) {
     Seed seed{20261122};
     for (int n = 0; n < 400; ++n)
         for (Surplus const surplus : {Surplus::truncate, Surplus::half}) {
             RandomRounding const rule{2 + int(seed.next() % 23), 1 + int(seed.next() % 8), surplus};
             double const x = std::ldexp(seed.bell(), int(seed.next() % 600) - 300);
-            auto const round = [&](double v, std::uint64_t draw) {
-                return std::abs(round_at_random(v, 0, rule, [=] { return draw; }));
-            };
-            EXPECT_EQ(ups(x, rule.random_bits, round), of_all(x, rule))
-                << x << ' ' << rule.digits << ' ' << rule.random_bits;
+            EXPECT_TRUE(goes_up_as_often(&at_random, x, rule)) << x << ' ' << rule.digits << ' ' << rule.random_bits;
         }
-}
-TEST(RandomRounding, ASaboteurIsSeen) {  // surplus bits that are rounded up
-    RandomRounding const rule{8, 3, Surplus::truncate};
-    double const x = 1 + 0x1p-10 + 0x1p-14;
-    EXPECT_EQ(
-        ups(x, 3, [&](double v, std::uint64_t draw) { return round_at_random(v, 0, rule, [=] { return draw; }); }), 1);
-    EXPECT_NE(
-        ups(x, 3,
-            [&](double v, std::uint64_t draw) { return round_at_random(v + 0x1p-10, 0, rule, [=] { return draw; }); }),
-        1);
+    Rounder const saboteur = [](double x, RandomRounding const& rule, std::uint64_t draw) {  // surplus bits rounded up
+        return at_random(x + 0x1p-10, rule, draw);
+    };
+    EXPECT_TRUE(goes_up_as_often(&at_random, 1 + 0x1p-10 + 0x1p-14, {8, 3, Surplus::truncate}));
+    EXPECT_FALSE(goes_up_as_often(saboteur, 1 + 0x1p-10 + 0x1p-14, {8, 3, Surplus::truncate}));
 }
 TEST(RandomRounding, WithAllBitsItIsStochasticRounding) {
     Seed seed{7};
@@ -64,16 +51,16 @@ TEST(RandomRounding, WithAllBitsItIsStochasticRounding) {
     for (int n = 0; n < 20000; ++n) {
         double const x = std::ldexp(seed.bell(), int(seed.next() % 200) - 100);
         std::uint64_t const draw = seed.next();
-        double const few = round_at_random(x, 0, rule, [=] { return draw; });
-        EXPECT_EQ(few, round_stochastically(x, 0, bfloat16, [=] { return double(draw >> 11) * 0x1p-53; }));
+        EXPECT_EQ(at_random(x, rule, draw),
+                  round_stochastically(x, 0, bfloat16, [=] { return double(draw >> 11) * 0x1p-53; }));
     }
 }
 TEST(RandomRounding, ANumberOfTheFormatStaysAndDrawsNothing) {
     RandomRounding const rule{5, 4, Surplus::half};
-    double const infinity = std::numeric_limits<double>::infinity();
-    for (double const x : {0.0, -0.0, 1.0, -1.9375, 0x1.fp1000, 0x1p-1000, infinity, -infinity})
-        EXPECT_EQ(detail::bits_of(round_at_random(x, 0, rule, no_draw)), detail::bits_of(x)) << x;
-    EXPECT_TRUE(std::isnan(round_at_random(std::nan(""), 0, rule, no_draw)));
+    auto const no_draw = []() -> std::uint64_t { throw std::logic_error("a draw"); };
+    for (double const x :
+         {0.0, -0.0, 1.0, -1.9375, 0x1.fp1000, 0x1p-1000, rounding::infinity, -rounding::infinity, rounding::nan})
+        EXPECT_TRUE(rounding::same(round_at_random(x, 0, rule, no_draw), x)) << x;
     // A tail towards zero: just below 1, of which the fraction is nearly one.
     EXPECT_EQ(round_at_random(1, -0x1p-60, {5, 4, Surplus::truncate}, [] { return std::uint64_t{15} << 60; }),
               1 - 0x1p-5);
