@@ -2,7 +2,7 @@
 //   rlslab_bench_c [ROUNDS [ROWS]]   nanoseconds a row, the least over the rounds (20000 by default), each of so many
 //                                    rows (64); and the median over the rounds of the difference of the two neighbours
 //                                    in time
-#include "capi/rlslab.h"
+#include "bindings/c/rlslab.h"
 
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>

@@ -106,7 +106,7 @@ template <class F>
 void add_fast_row() {
     std::string const arithmetic = std::same_as<typename F::scalar, float> ? "float" : "double";
     for (Index const size : sizes)
-        add_row("fast/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
+        add_row("variants/fast/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
                 [=](benchmark::State& state) {
                     static std::map<Index, FastRow<F>> made;
                     made.try_emplace(size, fast_scenario(size)).first->second.run(state);

@@ -1,7 +1,7 @@
 // The page of a run: plots and tables in one file that loads nothing.
 #include "bench/measured.hpp"
 #include "bench/verbs.hpp"
-#include "report/page.hpp"
+#include "src/lab/report/page.hpp"
 
 #include <rlslab/variants/variants.hpp>
 

@@ -28,20 +28,21 @@ sections = [
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
     ("Coloured noise", [("src/rlslab/adapt/extended_least_squares.hpp", "ExtendedLeastSquares"),
                         ("src/rlslab/adapt/instrumental_variables.hpp", "InstrumentalVariables")]),
-    ("Fast forms of a delay line", [("fast/fast_form.hpp", "FastProblem"), ("fast/transversal.hpp", "Transversal"),
-                                    ("fast/stabilised_transversal.hpp", "StabilisedTransversal"),
-                                    ("fast/lattice.hpp", "Lattice"),
-                                    ("fast/error_feedback_lattice.hpp", "ErrorFeedbackLattice"),
-                                    ("fast/qr_lattice.hpp", "QrLattice")]),
+    ("Fast forms of a delay line", [("variants/fast/fast_form.hpp", "FastProblem"),
+                                    ("variants/fast/transversal.hpp", "Transversal"),
+                                    ("variants/fast/stabilised_transversal.hpp", "StabilisedTransversal"),
+                                    ("variants/fast/lattice.hpp", "Lattice"),
+                                    ("variants/fast/error_feedback_lattice.hpp", "ErrorFeedbackLattice"),
+                                    ("variants/fast/qr_lattice.hpp", "QrLattice")]),
     ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet"),
                                  ("src/rlslab/many/fleet_steps.hpp", "FleetSteps FleetCounts"),
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
-    ("By name", [("catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
-    ("A study of your own", [("studies/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
-                              "Verdict Judgement ()"), ("studies/engine/table.hpp", "Table ()"),
-                             ("studies/engine/judgements.hpp", "Estimate ()"),
-                             ("studies/engine/scenarios.hpp", "()"), ("studies/engine/checkpoints.hpp", "()")]),
+    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
+    ("A study of your own", [("src/lab/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
+                              "Verdict Judgement ()"), ("src/lab/engine/table.hpp", "Table ()"),
+                             ("src/lab/engine/judgements.hpp", "Estimate ()"),
+                             ("src/lab/engine/scenarios.hpp", "()"), ("src/lab/engine/checkpoints.hpp", "()")]),
 ]
 left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
@@ -142,9 +143,12 @@ def grid(head, rows):
 
 
 def included(header):
-    for where in ("src/rlslab/", "catalogue/", "studies/engine/"):
-        header = header.replace(where, "rlslab/" + {"catalogue/": where, "studies/engine/": "studies/"}.get(where, ""))
-    return f"`<{header}>`"
+    """As it is included: the tree's folders by the names that they have where they are installed."""
+    for where, at in {"src/rlslab/": "", "src/catalogue/": "catalogue/", "src/lab/engine/": "studies/",
+                      "variants/fast/": "fast/"}.items():
+        if header.startswith(where):
+            return f"`<rlslab/{at}{header[len(where):]}>`"
+    raise SystemExit(f"{header}: not installed")
 
 
 def functions(header):

@@ -223,7 +223,7 @@ def digest(lines):
 
 
 def survey():
-    used = sum(line.rstrip().endswith(",used") for line in (root / "data/survey/records.csv").open())
+    used = sum(line.rstrip().endswith(",used") for line in (root / "studies/data/survey/records.csv").open())
     yield r"\newcommand{\recordsused}{%d}" % used
     yield r"\newcommand{\recordssurveyed}{%d}" % len(range(0, used, 3))
 

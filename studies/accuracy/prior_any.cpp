@@ -6,7 +6,7 @@
 
 #include <rlslab/model/default_prior.hpp>
 
-#include "compare/prior_law.hpp"
+#include "src/lab/compare/prior_law.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

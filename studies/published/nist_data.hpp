@@ -1,4 +1,4 @@
-// The linear regression sets of NIST's Statistical Reference Datasets: the files of data/nist, compiled in.
+// The linear regression sets of NIST's Statistical Reference Datasets: the files of studies/data/nist, compiled in.
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
@@ -10,7 +10,7 @@
 
 namespace rlslab::studies::strd {
 
-/// A file of data/nist by its name, "longley.csv". Throws std::logic_error where there is none.
+/// A file of studies/data/nist by its name, "longley.csv". Throws std::logic_error where there is none.
 std::string_view file(std::string_view name);
 
 /// The set as stored in binary64. Powers are those of a program that multiplies in double.

@@ -114,7 +114,7 @@ Study const survey{
     .name = "survey",
     .question =
         "On real records, which form keeps how many digits, who breaks down, and is what compare names the best?",
-    .source = "data/survey: data sets of R, statsmodels, scikit-learn and NIST; the rules of docs/compare.md",
+    .source = "studies/data/survey: data sets of R, statsmodels, scikit-learn and NIST; the rules of docs/compare.md",
     .formula =
         R"tex(\text{loss}_v = \max_m (\max_w \text{digits}_m(w) - \text{digits}_m(v)),\quad m = \theta, \theta_{\text{worst}}, P)tex",
     .interpretation =
@@ -123,7 +123,7 @@ Study const survey{
         "infinite loss. What compare names is judged twice: named by the whole record, and named by its first half and "
         "judged on the whole. Intervals are over records; they speak of records like these, under these rules. The "
         "first 18 claims were registered for the fourteen plain forms, before the delta forms joined.",
-    .data = "a third of the 326 records of data/survey, each at most 200 rows; at the quick budget five",
+    .data = "a third of the 326 records of studies/data/survey, each at most 200 rows; at the quick budget five",
     .factors =
         [](Budget budget) {
             std::vector<Cell> records;

@@ -63,7 +63,8 @@ Records records_of(std::string const& record) {
             name));
     char const* const folder = std::getenv("RLSLAB_RECORDS");
     if (!folder)
-        throw InputError("expected RLSLAB_RECORDS=FOLDER in the environment, written by data/survey/lay_out.py FOLDER");
+        throw InputError(
+            "expected RLSLAB_RECORDS=FOLDER in the environment, written by studies/data/survey/lay_out.py FOLDER");
     return read(CsvFile(fmt::format("{}/{}", folder, name)));
 }
 

@@ -1,4 +1,4 @@
-// The records of data/survey: the list, those in the program, and those that data/survey/lay_out.py wrote.
+// The records of studies/data/survey: the list, those in the program, and those that lay_out.py there wrote.
 #pragma once
 
 #include <rlslab/core/records.hpp>
@@ -9,7 +9,7 @@
 
 namespace rlslab::studies::survey_data {
 
-/// A file of data/survey or of its folder records by its name; empty where there is none.
+/// A file of studies/data/survey or of its folder records by its name; empty where there is none.
 std::string_view file(std::string_view name);
 
 /// The names of the used records of records.csv, in its order.

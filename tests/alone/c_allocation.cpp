@@ -1,5 +1,5 @@
 // No update through rlslab.h touches the heap. This program has its own malloc, which librlslab.so then calls, too.
-#include "capi/rlslab.h"
+#include "bindings/c/rlslab.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What a program that was compiled with rlslab.h relies on: symbols, layouts, numbers, and the libraries that come with
 // librlslab.so. tests/capi/abi.txt has them as they were recorded.
-#include "capi/rlslab.h"
+#include "bindings/c/rlslab.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Filters by the C interface that free themselves, and rows.
 #pragma once
 
-#include "capi/rlslab.h"
+#include "bindings/c/rlslab.h"
 
 #include <rlslab/core/random.hpp>
 

@@ -2,8 +2,8 @@
 // catalogue's.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
-#include "compare/answer.hpp"
-#include "compare/compare.hpp"
+#include "src/lab/compare/answer.hpp"
+#include "src/lab/compare/compare.hpp"
 #include "tests/common/files.hpp"
 
 #include <rlslab/model/lags.hpp>
@@ -104,7 +104,7 @@ Records arx(char const* file, char const* u, char const* y, int order, bool inte
 
 /// On rows of which the guard has nothing to tell.
 TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
-    Records const records = arx("data/sales.csv", "lead", "sales", 2);
+    Records const records = arx("studies/data/sales.csv", "lead", "sales", 2);
     Comparison const c = compare::compare(records, {.arithmetics = {"float"}, .timings = false});
     ASSERT_NE(coded(c), nullptr);
     std::string const text = code(c, {.variant = coded(c)->variant, .arithmetic = "float", .guarded = true});
@@ -115,7 +115,7 @@ TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
 class ComposedCode : public testing::TestWithParam<Composition> {};
 TEST_P(ComposedCode, CompilesAndLearnsTheSameBits) {
     expect_the_code_to_learn_the_same(
-        arx("data/sales.csv", "lead", "sales", 2),
+        arx("studies/data/sales.csv", "lead", "sales", 2),
         {.forgetting = 0.96875, .variants = {"ud"}, .arithmetics = {"float"}, .composition = GetParam()});
 }
 INSTANTIATE_TEST_SUITE_P(
@@ -137,7 +137,7 @@ TEST_P(Code, OfARealRecordCompilesAndLearnsTheSameBits) {
                                       {.forgetting = 0.98, .arithmetics = {"float", "double"}});
 }
 INSTANTIATE_TEST_SUITE_P(Records, Code,
-                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2},
+                         testing::Values(Source{"studies/data/sales.csv", "lead", "sales", 2},
                                          Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
                                          Source{"../shared/data/hair_dryer.csv", "u", "y", 4},
                                          Source{"../shared/data/heat_exchanger.csv", "u", "y", 4}),
@@ -145,17 +145,17 @@ INSTANTIATE_TEST_SUITE_P(Records, Code,
 
 TEST(Code, OfManyParametersAGivenPriorAndAFactorOfTheInformation) {
     expect_the_code_to_learn_the_same(
-        arx("data/sales.csv", "lead", "sales", 9, true),
+        arx("studies/data/sales.csv", "lead", "sales", 9, true),
         {.p0 = 1e7, .variants = {"qr"}, .arithmetics = {"double"}});  // 20: of dynamic size
 }
 TEST(Code, OfAWholeNumberThatFloatDoesNotHold) {
-    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 1),
+    expect_the_code_to_learn_the_same(arx("studies/data/sales.csv", "lead", "sales", 1),
                                       {.p0 = 16777217, .variants = {"carlson"}, .arithmetics = {"float"}});
 }
 TEST(Code, OfExtendedPrecision) {
     if (std::ranges::none_of(arithmetics(), [](Arithmetic const& a) { return a.name == "extended"; }))
         GTEST_SKIP() << "left out: no extended arithmetic here";
-    Records const records = arx("data/sales.csv", "lead", "sales", 2);
+    Records const records = arx("studies/data/sales.csv", "lead", "sales", 2);
     Comparison const c = compare::compare(records, {.arithmetics = {"extended"}, .timings = false});
     EXPECT_THAT(code(c), testing::HasSubstr("<long double, 5> filter({.size = 5"));
     EXPECT_THAT(learnt_by(code(c), records), testing::Not(testing::HasSubstr("does not")));
@@ -163,7 +163,7 @@ TEST(Code, OfExtendedPrecision) {
 
 /// Names that would end a comment, or go on with it, do not.
 TEST(Code, SurvivesAnyNameOfAColumn) {
-    Records const records = arx("data/sales.csv", "lead", "sales", 1);
+    Records const records = arx("studies/data/sales.csv", "lead", "sales", 1);
     Comparison c = compare::compare(records, {.arithmetics = {"float"}, .timings = false});
     c.model.output = printable("x\\\n*/ \n #error");
     c.model.regressors = {printable("a\\"), printable("b\n#error \\"),

@@ -135,10 +135,10 @@ TEST_F(CompareCommand, FitsATerminal) {
         }
 }
 TEST_F(CompareCommand, OfFiveParametersHasFiftyLinesAndTheAnswerFirst) {
-    auto const lines =
-        shown_on_a_terminal("cd '" + root + "'; '" + program +
-                                "' compare data/sales.csv --input lead --output sales --order 2 --detrend --quiet",
-                            80);
+    auto const lines = shown_on_a_terminal(
+        "cd '" + root + "'; '" + program +
+            "' compare studies/data/sales.csv --input lead --output sales --order 2 --detrend --quiet",
+        80);
     EXPECT_LE(lines.size(), 50u);
     EXPECT_THAT(lines.front(), testing::StartsWith("in float   use "));
     auto const has = [&](std::string const& variant) {
@@ -152,7 +152,7 @@ TEST_F(CompareCommand, OfFiveParametersHasFiftyLinesAndTheAnswerFirst) {
 
 /// The sums of squares are exact, so nothing but exponents may change: not a digit, not a breakdown.
 TEST_F(CompareCommand, UnitsChangeNoDigit) {
-    std::istringstream in(read(fs::path(root) / "data/sales.csv"));
+    std::istringstream in(read(fs::path(root) / "studies/data/sales.csv"));
     std::string line, scaled;
     std::getline(in, scaled);
     scaled += '\n';
@@ -178,7 +178,7 @@ TEST_F(CompareCommand, UnitsChangeNoDigit) {
 TEST_F(CompareCommand, AnswersInAnyUnits) {
     for (double const unit : {1e-6, 1e-3, 1e3}) {
         std::string text = "u,y\n";
-        std::istringstream in(read(fs::path(root) / "data/sales.csv"));
+        std::istringstream in(read(fs::path(root) / "studies/data/sales.csv"));
         std::string line;
         std::getline(in, line);
         while (std::getline(in, line)) {

@@ -1,8 +1,8 @@
 // The digits that `compare` counts of a composition: against the right problem high, against any other low.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
-#include "compare/answer.hpp"
-#include "compare/composed_score.hpp"
+#include "src/lab/compare/answer.hpp"
+#include "src/lab/compare/composed_score.hpp"
 #include "tests/common/composed.hpp"
 
 #include <rlslab/core/input_error.hpp>

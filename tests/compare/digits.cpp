@@ -1,7 +1,7 @@
 // What `compare --digits N` promises holds on the record: looked at by other means than those it was found by.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "compare/digits_answer.hpp"
-#include "compare/recommend.hpp"
+#include "src/lab/compare/digits_answer.hpp"
+#include "src/lab/compare/recommend.hpp"
 #include "tests/common/program.hpp"
 
 #include <rlslab/reference/certified.hpp>

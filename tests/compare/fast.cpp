@@ -1,6 +1,6 @@
 // The table of fast forms: where the regressors are a delay line, and only there.
-#include "compare/compare.hpp"
-#include "compare/fast_score.hpp"
+#include "src/lab/compare/compare.hpp"
+#include "src/lab/compare/fast_score.hpp"
 #include <rlslab/core/random.hpp>
 
 #include <gmock/gmock.h>

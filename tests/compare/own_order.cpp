@@ -1,11 +1,11 @@
 // compare judges the record in its own order: a plant at rest when the filter is switched on, draws of the roundings,
 // and rows whose sums are exact.
-#include "compare/answer.hpp"
-#include "compare/draws.hpp"
-#include "compare/exact_sums.hpp"
-#include "compare/prior_costs.hpp"
-#include "compare/recommend.hpp"
-#include "compare/words.hpp"
+#include "src/lab/compare/answer.hpp"
+#include "src/lab/compare/draws.hpp"
+#include "src/lab/compare/exact_sums.hpp"
+#include "src/lab/compare/prior_costs.hpp"
+#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/words.hpp"
 #include "tests/common/message.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>

@@ -1,9 +1,9 @@
 // The rules of the recommendation, each from both sides of its margin.
 #include "tests/common/message.hpp"
-#include "compare/answer.hpp"
-#include "compare/recommend.hpp"
-#include "compare/score.hpp"
-#include "compare/words.hpp"
+#include "src/lab/compare/answer.hpp"
+#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/score.hpp"
+#include "src/lab/compare/words.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -114,7 +114,7 @@ TEST_P(Steadiness, OverOnePercentOfTheRecord) {
     }
 }
 INSTANTIATE_TEST_SUITE_P(Records, Steadiness,
-                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2},
+                         testing::Values(Source{"studies/data/sales.csv", "lead", "sales", 2},
                                          Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
                                          Source{"../shared/data/hair_dryer.csv", "u", "y", 4},
                                          Source{"../shared/data/heat_exchanger.csv", "u", "y", 2}),

@@ -3,7 +3,7 @@ import os
 import struct
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples/ctypes"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/examples/ctypes"))
 import rlslab_c as rlslab  # noqa: E402
 
 d, rows, half = 5, 1000, 500

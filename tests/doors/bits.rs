@@ -1,5 +1,5 @@
 // The lines of tests/portability/digest.cpp, which has what is computed, from Rust.
-#[path = "../../examples/rust/rlslab.rs"]
+#[path = "../../docs/examples/rust/rlslab.rs"]
 mod rlslab;
 use rlslab::{names, Filter, List};
 

@@ -5,7 +5,7 @@
 string(REPLACE "," ";" COMPILERS "${COMPILERS}")
 string(REPLACE "," ";" SYSTEM "${SYSTEM}")
 set(folder ${CMAKE_CURRENT_LIST_DIR})
-set(board ${SOURCE_DIR}/examples/microcontroller/board)
+set(board ${SOURCE_DIR}/docs/examples/microcontroller/board)
 set(flags -std=c++20 -O1 -ffp-contract=off -fno-exceptions -fno-rtti -DNDEBUG -Wall -Wextra -Werror -I
     ${SOURCE_DIR}/src -I ${board})
 foreach(path IN LISTS SYSTEM)

@@ -1,7 +1,7 @@
 // Any words as a command line: understood, or refused in one printable line; nothing is run.
 #include "tests/fuzz/fuzz.hpp"
 
-#include "program/commands.hpp"
+#include "src/lab/program/commands.hpp"
 
 namespace rlslab::fuzz {
 using namespace program;

@@ -1,5 +1,6 @@
 // A libcuda of the tests' own: its memory is the host's, its kernels are the bodies of a GPU's, lane after lane.
-// Compiled as for the device (cmake/gpu.cmake), with hidden symbols beside the library's own text for this processor.
+// Compiled as for the device (src/cmake/gpu.cmake), with hidden symbols beside the library's own text for this
+// processor.
 #include <rlslab/gpu/kernels.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
-#include "identify/roots.hpp"
-#include "identify/remarks.hpp"
-#include "identify/text.hpp"
+#include "src/lab/identify/roots.hpp"
+#include "src/lab/identify/remarks.hpp"
+#include "src/lab/identify/text.hpp"
 #include "tests/identify/options.hpp"
 
 #include <rlslab/model/fit.hpp>

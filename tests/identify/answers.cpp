@@ -1,7 +1,7 @@
 // The output of identify for a bad record or a variant that breaks down: words, never a NaN, and the matching exit
 // code.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "identify/identify.hpp"
+#include "src/lab/identify/identify.hpp"
 #include "tests/common/exact_fit.hpp"
 #include "tests/common/files.hpp"
 

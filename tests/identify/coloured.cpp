@@ -1,6 +1,6 @@
 // Coloured residuals: what a noise model and instruments say of records whose parameters are known.
-#include "identify/coloured.hpp"
-#include "identify/noise_limit.hpp"
+#include "src/lab/identify/coloured.hpp"
+#include "src/lab/identify/noise_limit.hpp"
 #include "tests/identify/options.hpp"
 
 #include <rlslab/adapt/extended_least_squares.hpp>

@@ -1,5 +1,5 @@
 // The sums of the recursive residuals: what they are, how often they leave their lines without a reason, and with one.
-#include "identify/constancy.hpp"
+#include "src/lab/identify/constancy.hpp"
 #include "tests/identify/options.hpp"
 
 #include <rlslab/model/fit.hpp>

@@ -1,6 +1,6 @@
 // From a system to a record and back: signals, excitation, batch and order-recursive least squares, identify.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "identify/identify.hpp"
+#include "src/lab/identify/identify.hpp"
 #include <rlslab/studies/scenarios.hpp>
 #include "tests/common/files.hpp"
 #include "tests/common/laws.hpp"

@@ -1,7 +1,7 @@
 // Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate
 // loops.
-#include "identify/roots.hpp"
-#include "identify/structure.hpp"
+#include "src/lab/identify/roots.hpp"
+#include "src/lab/identify/structure.hpp"
 #include "tests/common/exact_fit.hpp"
 #include "tests/common/files.hpp"
 

@@ -1,8 +1,8 @@
 // A record of two inputs and a model, and `identify` on it, as a function and as a command.
 #pragma once
 
-#include "identify/structure.hpp"
-#include "identify/text.hpp"
+#include "src/lab/identify/structure.hpp"
+#include "src/lab/identify/text.hpp"
 #include "tests/common/files.hpp"
 
 #include <fmt/format.h>

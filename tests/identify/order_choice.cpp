@@ -1,5 +1,5 @@
 // The choice of an order: every number of it in rationals and closed forms, every threshold from both sides.
-#include "identify/order.hpp"
+#include "src/lab/identify/order.hpp"
 #include "tests/common/exact_fit.hpp"
 
 #include <rlslab/model/difference.hpp>

@@ -1,6 +1,6 @@
 // Modes, responses and their intervals: closed forms, coverage over many records, and what JSON and page say of them.
-#include "identify/responses.hpp"
-#include "identify/roots.hpp"
+#include "src/lab/identify/responses.hpp"
+#include "src/lab/identify/roots.hpp"
 #include "tests/identify/options.hpp"
 
 #include <rlslab/model/fit.hpp>

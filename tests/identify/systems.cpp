@@ -1,5 +1,5 @@
 // Records of known systems, and the sentence that a user should read of each. RLSLAB_SYSTEMS_SEED moves all seeds.
-#include "identify/roots.hpp"
+#include "src/lab/identify/roots.hpp"
 #include "tests/common/files.hpp"
 
 #include <fmt/format.h>

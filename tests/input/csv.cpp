@@ -297,7 +297,7 @@ TEST(CsvRecords, TheLabsRealRecords) {
 }
 
 TEST(CsvRecords, TheDemo) {
-    auto const data = read_columns(fs::path(RLSLAB_SOURCE_DIR) / "data/sales.csv", {"lead", "sales"});
+    auto const data = read_columns(fs::path(RLSLAB_SOURCE_DIR) / "studies/data/sales.csv", {"lead", "sales"});
     ASSERT_EQ(data.rows(), 150);
     EXPECT_EQ(Numbers(data["sales"].begin(), data["sales"].begin() + 2), (Numbers{200.1, 199.5}));
     EXPECT_EQ(Numbers(data["lead"].begin(), data["lead"].begin() + 2), (Numbers{10.01, 10.07}));

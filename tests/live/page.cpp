@@ -1,8 +1,8 @@
 // The live page's side of C++, without a browser: the bits it shows are the library's, its measurements are right, and
 // nothing that a page can send breaks it.
-#include "site/live/page.hpp"
-#include "site/live/running.hpp"
-#include "site/live/source.hpp"
+#include "docs/site/live/page.hpp"
+#include "docs/site/live/running.hpp"
+#include "docs/site/live/source.hpp"
 #include "tests/common/laws.hpp"
 
 #include <rlslab/reference/certified.hpp>

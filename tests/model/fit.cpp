@@ -15,7 +15,7 @@ namespace rlslab {
 namespace {
 
 Records nist(std::string const& name) {
-    CsvFile file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "data/nist" / (name + ".csv"));
+    CsvFile file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "studies/data/nist" / (name + ".csv"));
     std::vector<std::string> regressors = file.names();
     Columns const data = file.read(regressors);
     regressors.pop_back();

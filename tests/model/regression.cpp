@@ -167,15 +167,15 @@ TEST(RecordsRefuse, ColumnsInTwoRoles) {
 }
 
 TEST(Demo, SalesFollowTheirIndicator) {
-    auto const data = read_columns(fs::path(RLSLAB_SOURCE_DIR) / "data/sales.csv", {"lead", "sales"});
+    auto const data = read_columns(fs::path(RLSLAB_SOURCE_DIR) / "studies/data/sales.csv", {"lead", "sales"});
     auto const records = arx_records(data, "lead", "sales", {.na = 1, .nb = 1, .delay = 3, .intercept = true});
     EXPECT_EQ(records.rows(), 146);
     EXPECT_EQ(records.presample, 4);
 }
 
-/// The files of data/nist as records, and their exact solutions.
+/// The files of studies/data/nist as records, and their exact solutions.
 struct Nist {
-    fs::path folder = fs::path(RLSLAB_SOURCE_DIR) / "data/nist";
+    fs::path folder = fs::path(RLSLAB_SOURCE_DIR) / "studies/data/nist";
     nlohmann::json solutions = nlohmann::json::parse(std::ifstream(folder / "solutions.json"));
     Records records(std::string const& name) const {
         CsvFile file(folder / (name + ".csv"));

@@ -1,5 +1,5 @@
 // The records that the program has in it, and --example.
-#include "program/examples.hpp"
+#include "src/lab/program/examples.hpp"
 #include "tests/common/program.hpp"
 
 #include <nlohmann/json.hpp>
@@ -15,11 +15,12 @@ TEST_F(Program, PrintsItsExamplesAsTheirFiles) {
     for (Example const& example : examples()) {
         std::string const name(example.name), file = name + ".csv";
         EXPECT_THAT('\n' + list.out, HasSubstr('\n' + name + ' ')) << "in the list";
-        EXPECT_THAT(read(fs::path(root) / "data/README.md"), HasSubstr('`' + file + '`')) << "source and licence";
+        EXPECT_THAT(read(fs::path(root) / "studies/data/README.md"), HasSubstr('`' + file + '`'))
+            << "source and licence";
         Outcome const printed = shell("rlslab example " + name);
         EXPECT_EQ(printed.code, 0) << printed.err;
         int found = 0;
-        for (char const* place : {"data", "data/nist", "data/examples"})
+        for (char const* place : {"data", "studies/data/nist", "studies/data/examples"})
             if (fs::path const path = fs::path(root) / place / file; fs::exists(path)) {
                 EXPECT_EQ(printed.out, read(path)) << name;
                 ++found;

@@ -183,7 +183,7 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
     EXPECT_EQ(table.err, "");
 }
 TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
-    for (std::string const file : {"data/sales.csv --input lead --output sales --order 2 --forgetting 0.99",
+    for (std::string const file : {"studies/data/sales.csv --input lead --output sales --order 2 --forgetting 0.99",
                                    "../shared/data/gas_furnace.csv --input u --output y --order 4"}) {
         if (!fs::exists(root + "/" + file.substr(0, file.find(' ')))) {
             std::printf("left out: %s is not here\n", file.c_str());

@@ -1,5 +1,5 @@
 // Every result says which run it is from; rlslab cite.
-#include "program/bibliography.hpp"
+#include "src/lab/program/bibliography.hpp"
 #include "tests/common/program.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
@@ -20,7 +20,7 @@ using testing::Not;
 using testing::StartsWith;
 
 std::string const data = std::string(RLSLAB_SOURCE_DIR) + "/data/sales.csv";
-/// sha256sum data/sales.csv
+/// sha256sum studies/data/sales.csv
 constexpr char const* digest = "a7c0bca5c98e0bd8118af18dc1d6a110b1d7f2d0877c985a669b5e59f7f1ab57";
 
 TEST_F(Program, SaysTheRunInEveryAnswer) {

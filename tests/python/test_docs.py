@@ -71,7 +71,7 @@ def test_the_examples_of_the_estimator(examples):
 @pytest.mark.parametrize("page", PAGES)
 def test_the_page(page, examples, tmp_path):
     """The blocks of python, one after another, as the reader types them; after python.md's, which others refer to."""
-    (tmp_path / "data").symlink_to(ROOT / "data")
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
     blocks = re.findall(r"```python\n(.*?)```\n", PAGES[page], re.S)
     assert len(blocks) > 5
     names = {}
@@ -84,7 +84,10 @@ def test_the_page(page, examples, tmp_path):
         names = {**names, **run_block(block, names)}
 
 
-@pytest.mark.parametrize("script", sorted((ROOT / "python/notebooks").glob("*.py")), ids=lambda path: path.stem)
+NOTEBOOKS = sorted((ROOT / "bindings/python/notebooks").glob("*.py"))
+
+
+@pytest.mark.parametrize("script", NOTEBOOKS, ids=lambda path: path.stem)
 def test_the_notebooks(script, capsys):
     """They hold what they say by assertions."""
     text = script.read_text()

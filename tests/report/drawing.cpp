@@ -1,7 +1,7 @@
 // Laws of every drawing, whatever the numbers: inside its panel, no NaN, well formed, of bounded size. Of pages, of
 // names at their marks, of points below the axis.
 #include "tests/report/drawn.hpp"
-#include "report/plot.hpp"
+#include "src/lab/report/plot.hpp"
 
 #include <rlslab/core/random.hpp>
 

@@ -1,9 +1,9 @@
 // What every test of drawings reads from an SVG: whether it is well formed, where its marks are, whether its texts fit.
 #pragma once
 
-#include "report/axis.hpp"
-#include "report/page.hpp"
-#include "report/svg.hpp"
+#include "src/lab/report/axis.hpp"
+#include "src/lab/report/page.hpp"
+#include "src/lab/report/svg.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

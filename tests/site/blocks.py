@@ -6,7 +6,7 @@ import pathlib
 import re
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "site"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/site"))
 from header import variants    # noqa: E402
 from pages import code_of      # noqa: E402
 

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 root = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(root / "site"))
+sys.path.insert(0, str(root / "docs/site"))
 import api       # noqa: E402
 import build     # noqa: E402
 import check     # noqa: E402
@@ -68,7 +68,7 @@ def said(*words):
 
 class Formulas(unittest.TestCase):
     def test_they_are_those_that_were_read(self):
-        self.assertEqual(said(sys.executable, root / "site/header.py", "--check"), "")
+        self.assertEqual(said(sys.executable, root / "docs/site/header.py", "--check"), "")
 
     def test_each_leads_back_to_its_header(self):
         for h in header.variants():
@@ -144,7 +144,7 @@ class Sources(unittest.TestCase):
             self.assertTrue(stem == "index" or any(place in tree for place in places), name)
 
     def test_numbers_of_an_answer_are_among_those_behind_it(self):
-        text = (root / "site/pages/which.md").read_text()
+        text = (root / "docs/site/pages/which.md").read_text()
         for answer, path, title in re.findall(r"((?:(?!\n\n).)+)\n\n\{\{said (\S+) \| (.*?)\}\}", text, re.S):
             behind = first_pages.paragraph(path, title)
             item = answer.split("\n- ")[-1]
@@ -233,7 +233,7 @@ class Sources(unittest.TestCase):
             self.assertEqual([known[name][b][word][d] for b in ("m3", "m4f", "m7")], counts)
 
     def test_places_and_links_of_the_sources_exist(self):
-        texts = {p: p.read_text() for room in ("src", "variants", "fast", "studies", "tests", "docs", "site", ".")
+        texts = {p: p.read_text() for room in ("src", "variants", "studies", "tests", "docs", ".")
                  for p in (root / room).glob("*" if room == "." else "**/*") if p.suffix in (".cpp", ".hpp", ".md")}
         self.assertEqual(check.dead(root, texts), [])
         page = root / "docs/a.md"
@@ -258,7 +258,7 @@ class Recorded(unittest.TestCase):
             self.skipTest("no program named")
 
     def test_help_and_terminal_are_what_the_program_prints(self):
-        self.assertEqual(said(sys.executable, root / "site/recorded.py", program, "--check"), "")
+        self.assertEqual(said(sys.executable, root / "docs/site/recorded.py", program, "--check"), "")
 
     def test_factors_of_studies_are_the_programs(self):
         for study in pages.studies():

@@ -1,5 +1,5 @@
 // Formulas of pages: MathML where pandoc was there when the program was built, and text that can be read elsewhere.
-#include "report/page.hpp"
+#include "src/lab/report/page.hpp"
 #include <rlslab/studies/study.hpp>
 
 #include <gmock/gmock.h>

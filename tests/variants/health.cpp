@@ -1,7 +1,7 @@
 // Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that
 // overflow; steps whose health is known by hand.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "compare/compare.hpp"
+#include "src/lab/compare/compare.hpp"
 #include "tests/common/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

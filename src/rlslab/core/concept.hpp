@@ -129,7 +129,7 @@ concept TakesRowsAtOnce =
 /// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on,
 /// and to nothing that the next row overwrites. One of them may name a state itself: so a type around a filter lists
 /// the filter first and its own members after it. <rlslab/state/state.hpp> saves and loads what is named. A filter
-/// whose type only the run knows has `hides_its_state`, and shows it by itself (catalogue/native/adaptive.hpp).
+/// whose type only the run knows has `hides_its_state`, and shows it by itself (src/catalogue/native/adaptive.hpp).
 template <class F>
 concept NamesItsState = requires(F& f, F const& c) {
     F::state(f);

@@ -1,5 +1,5 @@
 // The kernels of fleets: the library's variants as they are, a filter a lane, and teams of lanes for larger ones.
-// Compiled by clang alone, without a CUDA toolkit (cmake/gpu.cmake), once for each of these parts:
+// Compiled by clang alone, without a CUDA toolkit (src/cmake/gpu.cmake), once for each of these parts:
 //   RLSLAB_PART 1, 2   sizes 1 to 8      3, 4, 5   9 to 32 of the forms that have no team      6   teams
 #define EIGEN_NO_CUDA
 #define EIGEN_DONT_VECTORIZE

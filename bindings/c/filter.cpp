@@ -1,0 +1,138 @@
+// One filter from C: rlslab_filter is a native::Filter.
+#include "bindings/c/border.hpp"
+
+#include <new>
+
+using namespace rlslab;
+using namespace rlslab::c;
+
+namespace {
+
+native::Filter& of(rlslab_filter* filter) { return *reinterpret_cast<native::Filter*>(filter); }
+native::Filter const& of(rlslab_filter const* filter) { return *reinterpret_cast<native::Filter const*>(filter); }
+rlslab_filter* handle(std::unique_ptr<native::Filter> filter) {
+    return reinterpret_cast<rlslab_filter*>(filter.release());
+}
+
+static_assert(sizeof(rlslab_step) == sizeof(native::Step) && alignof(rlslab_step) == alignof(native::Step));
+/// The step is made where the caller wants it: a copy would load what was stored in smaller parts, and wait for it.
+template <class Update>
+void report(rlslab_step* to, Update const& update) {
+    native::Step unwanted;
+    ::new (to ? static_cast<void*>(to) : &unwanted) native::Step(update());
+}
+
+template <class T>
+rlslab_status update(rlslab_filter* filter, T const* psi, T y, rlslab_step* step) noexcept {
+    if (!filter || !psi) [[unlikely]]
+        return null_among({{"filter", filter}, {"psi", psi}});
+    return guarded([&] { report(step, [&] { return of(filter).update(psi, y); }); });
+}
+template <class T>
+rlslab_status update_many(rlslab_filter* filter, T const* psi, std::size_t rows, std::size_t stride, T const* y,
+                          rlslab_step* steps) noexcept {
+    if (!filter) return null_among({{"filter", filter}});
+    if (rows == 0) return RLSLAB_OK;
+    if (!psi || !y) return null_among({{"psi", psi}, {"y", y}});
+    std::size_t const d = std::size_t(of(filter).size());
+    if (stride == 0) stride = d;
+    if (stride < d) return failed(RLSLAB_INVALID, "a stride of %zu, less than the %zu parameters", stride, d);
+    if (stride > PTRDIFF_MAX / sizeof(native::Step) / rows)
+        return failed(RLSLAB_INVALID, "%zu rows of stride %zu are beyond memory", rows, stride);
+    return guarded([&] {
+        of(filter).update_many(psi, native::Index(rows), native::Index(stride), y,
+                               reinterpret_cast<native::Step*>(steps));
+    });
+}
+template <void (native::Filter::*member)(double*) const>
+rlslab_status numbers(rlslab_filter const* filter, double* out, rlslab_status refused = RLSLAB_INVALID) noexcept {
+    if (!filter || !out) return null_among({{"filter", filter}, {"out", out}});
+    return guarded([&] { (of(filter).*member)(out); }, refused);
+}
+
+}  // namespace
+
+rlslab_status rlslab_new(char const* variant, char const* arithmetic, rlslab_options const* options,
+                         rlslab_filter** out) {
+    if (!out) return null_among({{"out", out}});
+    *out = nullptr;
+    Request const request{variant, arithmetic, options};
+    if (rlslab_status const status = request.readable()) return status;
+    return guarded([&] { *out = handle(native::make(variant, arithmetic, request.read())); }, request.refused());
+}
+rlslab_status rlslab_copy(rlslab_filter const* filter, rlslab_filter** out) {
+    if (!out) return null_among({{"out", out}});
+    *out = nullptr;
+    if (!filter) return null_among({{"filter", filter}});
+    return guarded([&] { *out = handle(of(filter).clone()); });
+}
+void rlslab_free(rlslab_filter* filter) { delete reinterpret_cast<native::Filter*>(filter); }
+rlslab_status rlslab_reset(rlslab_filter* filter) {
+    if (!filter) return null_among({{"filter", filter}});
+    return guarded([&] { of(filter).reset(); });
+}
+std::size_t rlslab_size(rlslab_filter const* filter) { return filter ? std::size_t(of(filter).size()) : 0; }
+char const* rlslab_variant(rlslab_filter const* filter) { return filter ? of(filter).variant().data() : nullptr; }
+char const* rlslab_arithmetic(rlslab_filter const* filter) { return filter ? of(filter).arithmetic().data() : nullptr; }
+
+rlslab_status rlslab_update(rlslab_filter* filter, double const* psi, double y, rlslab_step* step) {
+    return update(filter, psi, y, step);
+}
+rlslab_status rlslab_update_f32(rlslab_filter* filter, float const* psi, float y, rlslab_step* step) {
+    return update(filter, psi, y, step);
+}
+rlslab_status rlslab_update_many(rlslab_filter* filter, double const* psi, std::size_t rows, std::size_t stride,
+                                 double const* y, rlslab_step* steps) {
+    return update_many(filter, psi, rows, stride, y, steps);
+}
+rlslab_status rlslab_update_many_f32(rlslab_filter* filter, float const* psi, std::size_t rows, std::size_t stride,
+                                     float const* y, rlslab_step* steps) {
+    return update_many(filter, psi, rows, stride, y, steps);
+}
+rlslab_status rlslab_pass_time(rlslab_filter* filter, rlslab_step* step) {
+    if (!filter) return null_among({{"filter", filter}});
+    return guarded([&] { report(step, [&] { return of(filter).pass_time(); }); });
+}
+
+rlslab_status rlslab_theta(rlslab_filter const* filter, double* out) {
+    return numbers<&native::Filter::theta>(filter, out);
+}
+rlslab_status rlslab_gain(rlslab_filter const* filter, double* out) {
+    return numbers<&native::Filter::gain>(filter, out);
+}
+rlslab_status rlslab_covariance(rlslab_filter const* filter, double* out) {
+    return numbers<&native::Filter::covariance>(filter, out, RLSLAB_ABILITY);
+}
+rlslab_status rlslab_information(rlslab_filter const* filter, double* out) {
+    return numbers<&native::Filter::information>(filter, out, RLSLAB_ABILITY);
+}
+std::int32_t rlslab_health(rlslab_filter const* filter) { return filter ? of(filter).health() : -1; }
+std::int32_t rlslab_signal(rlslab_filter const* filter) { return filter ? of(filter).signal() : -1; }
+
+rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, std::size_t bytes) {
+    if (!filter || !out) return null_among({{"filter", filter}, {"out", out}});
+    if (bytes != sizeof *out) return failed(RLSLAB_INVALID, "counts of %zu bytes, not %zu", bytes, sizeof *out);
+    native::Counts const c = of(filter).counts();
+    *out = {c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns, c.refactored, c.since, 0};
+    return RLSLAB_OK;
+}
+
+std::size_t rlslab_state_size(rlslab_filter const* filter) { return filter ? state_size(of(filter)) : 0; }
+rlslab_status rlslab_save(rlslab_filter const* filter, void* to, std::size_t room) {
+    if (!filter || !to) return null_among({{"filter", filter}, {"to", to}});
+    return save(of(filter), to, room);
+}
+rlslab_status rlslab_load(rlslab_filter* filter, void const* from, std::size_t bytes) {
+    if (!filter || !from) return null_among({{"filter", filter}, {"from", from}});
+    return load(of(filter), from, bytes);
+}
+rlslab_status rlslab_from_state(void const* from, std::size_t bytes, rlslab_filter** out) {
+    if (!out) return null_among({{"out", out}});
+    *out = nullptr;
+    if (!from) return null_among({{"from", from}});
+    return guarded(
+        [&] {
+            *out = handle(native::from_state({static_cast<std::byte const*>(from), bytes}));
+        },
+        RLSLAB_STATE);
+}

@@ -1,0 +1,121 @@
+// One filter that runs on the page, and what is measured of it as rows arrive.
+#pragma once
+
+#include "docs/site/live/measures.hpp"
+#include "docs/site/live/settings.hpp"
+
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/catalogue/relative_errors.hpp>
+#include <rlslab/catalogue/round_to.hpp>
+
+#include <memory>
+
+namespace rlslab::live {
+
+/// The reference after a row.
+struct Exact {
+    Vector<DoubleDouble> theta;
+    Square P;  ///< only where rows are measured
+};
+
+class Running {
+public:
+    double digits = 0;             ///< of theta after the last row, as digits_of
+    double covariance_digits = 0;  ///< of P at the last measured row
+    std::array<double, most_parameters> spectrum{}, theta{};
+    std::uint64_t hash = 0xcbf29ce484222325;                  ///< FNV-1a of theta after every row
+    Index rows = 0, first_indefinite = 0, first_unsound = 0;  ///< row numbers from 1; 0: none yet
+    GuardCounts counts;                                       ///< zeros without a guard
+
+    virtual ~Running() = default;
+    /// psi and y have the format's bits.
+    virtual void update(Regressor<double> psi, double y, Exact const& exact, bool measured) = 0;
+};
+
+/// F, with a random relative error in each number of the gain that it uses to update P: r_i `size`, r nearly normal.
+/// size = 0 leaves F's bits.
+template <class F>
+class WithGainError : public F {
+    using T = typename F::scalar;
+    double size_;
+    Seed seed_{99};
+    Matrix<double> relative_;
+
+public:
+    explicit WithGainError(Problem<T> const& problem, double size = 0)
+        : F(problem), size_(size), relative_(problem.size, 1) {}
+    Step<T> commit(Innovation<T> const& row) {
+        if (size_ == 0) return F::commit(row);
+        for (Index i = 0; i < relative_.rows(); ++i) relative_(i, 0) = size_ * seed_.bell();
+        return F::commit(row, RelativeErrors<T>{relative_, std::vector<T>(size_t(relative_.rows()))});
+    }
+    Step<T> update(Regressor<T> psi, T y) { return commit(F::look(psi, y)); }
+};
+template <class F>
+using Erring = std::conditional_t<GainPerturbable<F>, WithGainError<F>, F>;
+template <class F>
+Erring<F> erring(Problem<typename F::scalar> const& problem, double gain_error) {
+    if constexpr (GainPerturbable<F>) return WithGainError<F>(problem, gain_error);
+    else return F(problem);
+}
+
+/// One theta for all NaN: which of them an operation returns depends on the machine.
+inline void add_to(std::uint64_t& hash, double x) {
+    std::uint64_t const bits = detail::bits_of(x == x ? x : std::numeric_limits<double>::quiet_NaN());
+    for (int i = 0; i < 8; ++i) hash = (hash ^ (bits >> (8 * i) & 0xff)) * 0x100000001b3;
+}
+
+template <class F>
+class RunningFilter : public Running {
+    using T = typename F::scalar;
+    F filter_;
+    Seed seed_;
+    Vector<T> psi_;
+
+public:
+    RunningFilter(F const& filter, Seed seed) : filter_(filter), seed_(seed), psi_(filter.theta().size()) {}
+    void update(Regressor<double> psi, double y, Exact const& exact, bool measured) override {
+        StochasticStream const stream(seed_);
+        for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(psi[i]);
+        Health const health = filter_.update(psi_, T(y)).health;
+        ++rows;
+        UncountedScope<T> const uncounted;
+        if (health > Health::undetermined && first_unsound == 0) first_unsound = rows;
+        Vector<T> const now = filter_.theta();
+        double error = 0, size = 0;
+        for (Index i = 0; i < now.size(); ++i) {
+            theta[size_t(i)] = static_cast<double>(now[i]);
+            add_to(hash, theta[size_t(i)]);
+            double const e = double(DoubleDouble(theta[size_t(i)]) - exact.theta[i]), x = double(exact.theta[i]);
+            error += e * e, size += x * x;
+        }
+        digits = digits_of(error, size);
+        if (first_indefinite == 0 && !is_definite(filter_.stored())) first_indefinite = rows;
+        if constexpr (requires { filter_.counts(); }) counts = filter_.counts();
+        if (!measured) return;
+        Square const P = covariance_of_stored(filter_.stored());
+        covariance_digits = digits_of(P, exact.P, int(now.size()));
+        spectrum = eigenvalues(P, int(now.size()));
+    }
+};
+
+/// A running V; with a guard around it as settings.hpp numbers them, 0: none.
+template <class V>
+std::unique_ptr<Running> run(Problem<typename V::scalar> const& problem, double gain_error, int guard, Seed seed) {
+    using F = Erring<V>;
+    StochasticStream const stream(seed);  // a filter computes when it is made, too
+    F const filter = erring<V>(problem, gain_error);
+    std::unique_ptr<Running> out;
+    if (guard == 0) out = std::make_unique<RunningFilter<F>>(filter, seed);
+    auto const within = [&]<size_t i>(std::integral_constant<size_t, i>) {
+        using G = Guarded<F, guards[i].policy>;
+        if (guard == int(i) + 1) out = std::make_unique<RunningFilter<G>>(G(filter, problem), seed);
+    };
+    [&]<size_t... i>(std::index_sequence<i...>) {
+        (within(std::integral_constant<size_t, i>{}), ...);
+    }(std::make_index_sequence<std::size(guards)>{});
+    return out;
+}
+
+}  // namespace rlslab::live

@@ -1,7 +1,0 @@
-// The rlslab program.
-#include "program/run.hpp"
-
-int main(int argc, char** argv) {
-    rlslab::program::prepare_process();
-    return rlslab::program::run({argv + (argc > 0), argv + argc});
-}

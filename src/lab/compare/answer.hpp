@@ -1,0 +1,34 @@
+// The short answer of a comparison: the variant to use, its cost, and C++ code for it.
+#pragma once
+
+#include "src/lab/compare/compare.hpp"
+
+namespace rlslab::compare {
+
+/// "Ud" for "ud", "InverseQr" for "inverse_qr".
+std::string class_of(std::string_view variant);
+
+/// For each arithmetic with a recommendation the digits it keeps, and the digits that it and others lose; one line for
+/// all arithmetics with the same reason against one. Lines are broken at `width`.
+std::string verdict(Comparison const& comparison, size_t width = std::string::npos);
+
+/// The recommendation for which code is printed: that in the shortest hardware arithmetic which has one. null: none.
+Recommendation const* coded(Comparison const& comparison);
+
+/// A filter in C++ on the problem of a comparison.
+struct CodedFilter {
+    std::string variant, arithmetic;  ///< of the hardware: float, double or extended
+    bool guarded = false;
+    std::vector<int> exponents = {};  ///< regressor i is taken times 2^exponents[i]; empty: as it is
+    int output_exponent = 0;          ///< likewise y
+};
+/// A C++ file that defines it as `filter`. Comments above it give the model and the order and signs of the regressors.
+/// It compiles as it stands. "" for another arithmetic.
+std::string code(Comparison const& comparison, CodedFilter const& filter);
+/// Of the one that keeps the wanted digits, or without them of the recommended one; "" where there is none.
+std::string code(Comparison const& comparison);
+/// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as
+/// one.
+std::string folded(std::string const& code, size_t width);
+
+}  // namespace rlslab::compare

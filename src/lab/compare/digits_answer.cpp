@@ -1,0 +1,203 @@
+// One arithmetic after another is compared, with a prior that leaves the digits that are wanted.
+#include "src/lab/compare/digits_answer.hpp"
+#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/score.hpp"
+
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/reference/certified.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab::compare {
+using namespace report;
+namespace {
+
+constexpr double margin = 0.3;                             // digits that the prior leaves beyond those wanted
+constexpr double digits_a_doubling = 0.60205999132796239;  // 2 log10 2: the prior's weight falls with c^2
+
+/// Those that the options name, in that order, or all; each once, and with one of the variants.
+std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
+    std::vector<Arithmetic const*> wanted, out;
+    for (std::string const& name : options.arithmetics)
+        if (Arithmetic const* const a = &arithmetic_named(name, "--arithmetic");
+            std::ranges::find(wanted, a) == wanted.end())
+            wanted.push_back(a);
+    bool const any = wanted.empty();
+    if (any)
+        for (Arithmetic const& a : arithmetics()) wanted.push_back(&a);
+    for (Arithmetic const* const a : wanted)
+        if (std::ranges::any_of(entries_in(*a), [&](CatalogueEntry const* e) {
+                return options.variants.empty() ||
+                       std::ranges::find(options.variants, e->variant) != options.variants.end();
+            }))
+            out.push_back(a);
+    if (any) std::ranges::stable_sort(out, {}, &Arithmetic::digits);
+    if (out.empty())
+        throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+    return out;
+}
+
+// --- (3) -------------------------------------------------------------------------------------------------------------
+
+int exponent(double largest) { return largest > 0 ? std::ilogb(largest) : 0; }
+
+/// exponents and output_exponent; none where every number is well within the range.
+void choose_scaling(Records const& records, Arithmetic const& arithmetic, ArithmeticTrial& t) {
+    int const quarter = arithmetic.max_exp / 4;
+    auto const fits = [&](double largest) { return largest == 0 || std::abs(exponent(largest)) <= quarter; };
+    Vector<double> const columns = records.psi.cwiseAbs().rowwise().maxCoeff();
+    double const output = records.y.cwiseAbs().maxCoeff();
+    bool all = fits(output);
+    for (double const x : columns) all = all && fits(x);
+    if (all) return;
+    for (double const x : columns) t.exponents.push_back(-exponent(x));
+    t.output_exponent = -exponent(output);
+}
+
+Records scaled(Records records, ArithmeticTrial const& t) {
+    if (t.exponents.empty()) return records;
+    for (Index i = 0; i < records.parameters(); ++i)
+        for (double& x : records.psi.row(i)) x = std::ldexp(x, t.exponents[size_t(i)]);
+    for (double& y : records.y) y = std::ldexp(y, t.output_exponent);
+    return records;
+}
+
+// --- (4) -------------------------------------------------------------------------------------------------------------
+
+Comparison compared(Records const& records, CompareOptions options, Arithmetic const& arithmetic, int doublings) {
+    options.prior_times = std::ldexp(1.0, doublings);
+    options.arithmetics = {std::string(arithmetic.name)};
+    options.p0.reset();
+    options.composition = {};
+    options.timings = false;
+    return compare(records, options);
+}
+
+/// Doublings of c after which P0 is still in range: P0_ii = (c / s_i)^2 below 2^(e - 8).
+int most_doublings(DefaultPrior const& prior, Arithmetic const& arithmetic) {
+    int const largest = 2 * (std::ilogb(prior.c) - std::ilogb(prior.s.minCoeff()));
+    return std::max(0, (std::min(arithmetic.max_exp, 1000) - 8 - largest) / 2);
+}
+
+Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<bool> const& is_zero,
+                                           CompareOptions const& options, Arithmetic const& arithmetic) {
+    Comparison out = compared(records, options, arithmetic, 0);
+    int const most = most_doublings(*out.scaled_prior, arithmetic);
+    for (int doublings = 0; doublings < most;) {
+        double left = 99;  // by the prior, of what has digits
+        for (size_t i = 0; i < out.agreement.size(); ++i)
+            if (!is_zero[i]) left = std::min(left, out.agreement[i]);
+        double const missing = std::min(wanted_digits(options), arithmetic.decimal_digits()) + margin - left;
+        if (missing <= 0) break;
+        // by the law of the norm; a component may ask for more
+        doublings = std::min(doublings + int(std::ceil(missing / digits_a_doubling)), most);
+        out = compared(records, options, arithmetic, doublings);
+    }
+    return out;
+}
+
+// --- (1), (2), (5) ---------------------------------------------------------------------------------------------------
+
+/// Which parameters are zero, as far as the certificate tells: below 1e-38 of the largest, each in units of its
+/// regressor.
+std::vector<bool> zeros_of(Vector<Reference> const& exact, Records const& records) {
+    Vector<double> const s = regressor_scales(records);
+    Reference largest = 0;
+    std::vector<Reference> sizes;
+    for (Index i = 0; i < exact.size(); ++i) {
+        sizes.push_back(absolute(Reference(exact[i] * Reference(s[i]))));
+        largest = std::max(largest, sizes.back());
+    }
+    std::vector<bool> out;
+    for (Reference const& size : sizes) out.push_back(!(size > largest * Reference(1e-38)));
+    return out;
+}
+
+/// Digits of the worst parameter that is not zero.
+double worst_digits(Vector<Reference> const& theta, Vector<Reference> const& exact, std::vector<bool> const& is_zero) {
+    double out = INFINITY;
+    for (Index i = 0; i < theta.size(); ++i) {
+        if (!is_finite(theta[i])) return -INFINITY;
+        if (!is_zero[size_t(i)]) out = std::min(out, digits_of(Reference(theta[i] - exact[i]), exact[i]));
+    }
+    return out;
+}
+
+static_assert(std::is_nothrow_move_constructible_v<ArithmeticTrial> &&
+              !std::is_copy_constructible_v<ArithmeticTrial>);  // see there
+
+ArithmeticTrial tried(Records const& records, CompareOptions const& options, Arithmetic const& arithmetic) {
+    ArithmeticTrial out;
+    out.arithmetic = arithmetic.name;
+    out.wanted = wanted_digits(options);
+    choose_scaling(records, arithmetic, out);
+    Records const taken = scaled(records, out);
+    Vector<Reference> const exact =
+        certified({.size = taken.parameters(), .forgetting = options.forgetting, .prior = std::nullopt}, taken,
+                  {taken.rows()})
+            .front()
+            .theta();
+    out.is_zero = zeros_of(exact, taken);
+    out.comparison = with_a_prior_that_leaves_digits(taken, out.is_zero, options, arithmetic);
+    for (RoundingEffect const& s : out.comparison.rounding) out.in_range = s.in_range;
+    std::vector<Result const*> sound;
+    for (Result const& r : out.comparison.results)
+        if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
+    for (Result const* r : ranked(sound, out.wanted)) {
+        double at_end = arithmetic.decimal_digits();
+        for (Vector<Reference> const& theta : r->ends)
+            at_end = std::min(at_end, worst_digits(theta, exact, out.is_zero));
+        out.sound.push_back({r, r->worst_low, at_end});
+    }
+    return out;
+}
+
+/// nullopt for an arithmetic other than float and double, and for a variant that cannot be guarded.
+std::optional<GuardTrial> guard_trial(CatalogueEntry const& entry, Problem<double> const& problem,
+                                      Records const& records) {
+    if (std::ranges::find(composed_arithmetics(), entry.arithmetic->name) == composed_arithmetics().end()) return {};
+    auto const alone = entry.make(problem, Seed{1});
+    auto const guarded = composed({.guard = "reset"}, entry.variant, entry.arithmetic->name, problem);
+    if (!guarded) return {};
+    bool same_bits = true;
+    for (Index k = 0; k < records.rows(); ++k) {
+        alone->update(records.sample(k), records.y[k]);
+        guarded->update(records.sample(k), records.y[k]);
+        same_bits = same_bits && alone->theta() == guarded->theta();
+    }
+    return GuardTrial{guarded->counts(), same_bits};
+}
+
+}  // namespace
+
+KeptDigits const* ArithmeticTrial::first_enough() const {
+    auto const found = std::ranges::find_if(sound, [&](KeptDigits const& k) { return k.both() >= wanted; });
+    return found == sound.end() ? nullptr : &*found;
+}
+KeptDigits const* ArithmeticTrial::most() const {
+    return sound.empty() ? nullptr : &*std::ranges::max_element(sound, {}, &KeptDigits::both);
+}
+
+DigitsAnswer digits_answer(Records const& records, CompareOptions const& options, ModelText const& model,
+                           Progress const& progress) {
+    DigitsAnswer out{.wanted = wanted_digits(options), .trials = {}, .guard = {}};
+    std::vector<Arithmetic const*> const arithmetics = arithmetics_of(options);
+    for (Arithmetic const* const a : arithmetics) {
+        out.trials.push_back(tried(records, options, *a));
+        out.trials.back().comparison.model = model;
+        if (progress) progress(double(out.trials.size()) / double(arithmetics.size()));
+        if (out.chosen()) break;
+    }
+    if (ArithmeticTrial const* const t = out.chosen()) {
+        Problem<double> const problem{.size = records.parameters(),
+                                      .forgetting = options.forgetting,
+                                      .prior = t->comparison.scaled_prior->prior()};
+        out.guard = guard_trial(*out.choice()->result->entry, problem, scaled(records, *t));
+    }
+    return out;
+}
+
+}  // namespace rlslab::compare

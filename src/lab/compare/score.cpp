@@ -1,0 +1,167 @@
+// A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the reference at
+// the checkpoints.
+#include "src/lab/compare/score.hpp"
+#include "src/lab/compare/foretold.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab::compare {
+namespace {
+
+constexpr size_t least_draws = 4;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Rows first ... last-1 of the problem in this order, one by one or as a block.
+Health process_rows(AnyFilter& filter, Records const& records, std::vector<Index> const& order, Index first, Index last,
+                    Index block) {
+    if (block > 1)
+        return order.empty() ? filter.update_block(records, first, last).health
+                             : filter
+                                   .update_block(in_order(records, {order.begin() + first, order.begin() + last}), 0,
+                                                 last - first)
+                                   .health;
+    Index const k = order.empty() ? first : order[size_t(first)];
+    return filter.update(records.sample(k), records.y[k]).health;
+}
+
+std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
+    if (stored.form == Stored<Reference>::Form::factor) return 0.0;
+    Reference difference = 0, largest = 0;
+    for (Index j = 0; j < stored.F.cols(); ++j)
+        for (Index i = 0; i < stored.F.rows(); ++i) {
+            if (!is_finite(stored.F(i, j))) return {};
+            difference = std::max(difference, absolute(Reference(stored.F(i, j) - stored.F(j, i))));
+            largest = std::max(largest, absolute(stored.F(i, j)));
+        }
+    return largest == 0 ? 0.0 : static_cast<double>(difference / largest);
+}
+
+std::vector<double> sorted(std::vector<std::optional<double>> const& digits) {
+    std::vector<double> out;
+    for (auto const& x : digits) out.push_back(x.value_or(-infinity));
+    std::ranges::sort(out);
+    return out;
+}
+size_t lowest_tenth(size_t count) { return size_t(std::floor(0.1 * double(count - 1))); }
+
+}  // namespace
+
+double digits_of(Reference const& error, Reference const& size) {
+    if (!is_finite(error) || !is_finite(size)) return std::numeric_limits<double>::quiet_NaN();
+    if (error == 0) return infinity;
+    return size == 0 ? -infinity : -correctly::log10(static_cast<double>(absolute(Reference(error / size))));
+}
+
+std::optional<double> at_most(double digits, double most) {
+    if (std::isnan(digits)) return {};
+    return std::min(digits, most);
+}
+
+Spread spread_of(std::vector<std::optional<double>> const& digits) {
+    std::vector<double> const all = sorted(digits);
+    double const last = double(all.size() - 1);
+    auto const at = [&](size_t rank) { return std::round(10 * all[rank]) / 10; };
+    return {at(lowest_tenth(all.size())), at(size_t(std::floor(0.5 * last))), at(size_t(std::ceil(0.9 * last)))};
+}
+
+Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded,
+        std::vector<Index> const& order, std::function<Digits(size_t)> const& digits_at) {
+    Run out{};
+    if (Health const kind = breakdown(filter, arithmetic); kind != Health::sound) out.breakdown = Breakdown{0, kind};
+    Index const rows = rounded.records.rows();
+    std::vector<Index> const checkpoints = checkpoints_of(rows);
+    Foretold foretold(rounded.problem.forgetting, checkpoints.size());
+    Index first = 0;
+    for (size_t c = 0; c < checkpoints.size(); ++c) {
+        while (first < checkpoints[c]) {
+            Index const last = std::min(checkpoints[c], first + block);
+            Health const health = process_rows(filter, rounded.records, order, first, last, block);
+            first = last;
+            if (out.breakdown) continue;
+            if (Health const kind = breakdown(filter, arithmetic, health); kind != Health::sound)
+                out.breakdown = Breakdown{last, kind};
+        }
+        if (digits_at) out.digits.push_back(digits_at(c));
+        if (order.empty() && rounded.problem.forgetting < 1) foretold.look(checkpoints[c], filter.stored());
+    }
+    Stored<Reference> const last = filter.stored();
+    out.theta = filter.theta();
+    if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{rows, Health::nonfinite};
+    if (!out.breakdown) out.foretold = foretold.row();
+    out.asymmetry = asymmetry_of(last);
+    out.factor = last.form == Stored<Reference>::Form::factor;
+    return out;
+}
+
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, Runs const& runs) {
+    // Not in range: a zero where something positive should stand, or an infinity.
+    if (runs.own.empty()) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
+    Run const& first = runs.own.front();
+    Result out{.entry = &entry,
+               .runs = int(runs.own.size()),
+               .breakdown = first.breakdown,
+               .foretold = first.foretold,
+               .factor = first.factor,
+               .path = first.digits,
+               .asymmetry = first.asymmetry};
+    PerMeasure<std::vector<std::optional<double>>> all;
+    std::vector<Index> const checkpoints = checkpoints_of(rounded.records.rows());
+    Index const from = std::min(rounded.records.rows(), 2 * rounded.records.parameters());
+    auto const spread = [&](std::vector<Run> const& of, int& broken) -> std::optional<PerMeasure<Spread>> {
+        all = {};
+        for (Run const& one : of) {
+            broken += one.breakdown.has_value();
+            out.ends.push_back(one.theta);
+            for (size_t c = 0; c < one.digits.size(); ++c)
+                if (checkpoints[c] >= from)
+                    for (size_t m = 0; m < 3; ++m) (all.*all.all()[m]).push_back(one.digits[c].*Digits::all()[m]);
+        }
+        if (all.theta.empty()) return {};
+        return PerMeasure<Spread>{spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
+    };
+    out.others.runs = int(runs.others.size());
+    out.others.spread = spread(runs.others, out.others.broken);
+    out.spread = spread(runs.own, out.broken);
+    if (out.path.empty()) return out;
+    out.last = out.path.back();
+    out.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
+    return out;
+}
+
+Run run_of(CatalogueEntry const& entry, RoundedProblem const& rounded, size_t number, Seed draws) {
+    Arithmetic const& arithmetic = *entry.arithmetic;
+    double const most = arithmetic.decimal_digits();
+    RowOrder const& order = rounded.orders[number];
+    auto const filter = entry.make(rounded.problem, draws);
+    std::function<Digits(size_t)> against_exact;
+    if (!order.exact.empty())
+        against_exact = [&](size_t c) {
+            CertifiedSolution const& exact = order.exact[c];
+            Vector<Reference> const theta = filter->theta();
+            return Digits{at_most(exact.theta_digits(theta), most), at_most(exact.theta_digits_worst(theta), most),
+                          at_most(exact.covariance_digits(filter->stored()), most)};
+        };
+    return run(*filter, arithmetic, entry.block, rounded, order.rows, against_exact);
+}
+
+Seed seed_of_run(std::uint64_t seed, size_t run) { return run == 0 ? Seed{seed} : Seed{Seed{seed + run}.next()}; }
+
+Runs runs_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+    Runs out;
+    for (size_t i = 0; rounded.in_range && i < rounded.orders.size(); ++i)
+        (i == 0 ? out.own : out.others).push_back(run_of(entry, rounded, i, seed_of_run(seed, i)));
+    return out;
+}
+
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+    Runs runs = runs_of(entry, rounded, seed);
+    for (size_t i = 1; entry.arithmetic->stochastic && !runs.own.empty() && i < least_draws; ++i)
+        runs.own.push_back(run_of(entry, rounded, 0, seed_of_run(seed, rounded.orders.size() + i)));
+    return result_of(entry, rounded, runs);
+}
+
+}  // namespace rlslab::compare

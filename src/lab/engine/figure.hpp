@@ -1,0 +1,14 @@
+// Makes the figures of a study from its table. src/lab/report/ draws them.
+#pragma once
+
+#include "src/lab/report/figure.hpp"
+#include <rlslab/studies/study.hpp>
+
+namespace rlslab::studies {
+
+/// One figure for each plot and panel. Curves leave out 0, NaN and infinity on a logarithmic axis. In a plot of cells
+/// whose y is a column of words the most frequent word stands in each cell, shaded by its share; the label of a guide
+/// names another such column, and lines part cells where its words differ.
+std::vector<report::Figure> figures(Study const& study, Table const& table);
+
+}  // namespace rlslab::studies

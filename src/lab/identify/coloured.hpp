@@ -1,0 +1,33 @@
+// Coloured residuals: the parameters again, by a model of the noise or by instruments.
+#pragma once
+
+#include "src/lab/identify/record.hpp"
+#include "src/lab/identify/structure.hpp"
+
+namespace rlslab::identify {
+
+/// Throws InputError, which names --noise-model or --instruments, where the equation or its rows do not allow for it.
+void expect_cures(IdentifyOptions const& options, Structure const& structure, Record const& record);
+
+/// --noise-model n: A y = B u + c + C e by ExtendedLeastSquares<Ud<double>> over the fitted rows, a row that misses a
+/// value is passed by. Prior: that of the model, and P0 = 1 / sigma^2 of each c_i, a standard deviation of 1. Its
+/// residuals, sigma^2 and their test are those of the last parameters, e = (A y - B u - c) / C from e = 0 on. sd:
+/// those of the limit (noise_limit.hpp); NaN where |C(e^iw) - 1| reaches 1, where there may be none.
+Cured with_noise_model(IdentifyOptions const& options, Structure const& structure, Record const& record,
+                       Estimate const& estimate);
+
+/// --instruments N: InstrumentalVariables<Ud<double>>, likewise, over the rows that have the instruments: the inputs
+/// and the constant of the equation, and N further past lags of each input, whose prior is default_prior. sd, with
+/// v = y - psi'theta, x_k = P psihat_k and L = sqrt(rows), 200 at most (docs/theory.md 90, by triangular weights):
+///   sd_i^2 = sum |tau| <= L of (1 - |tau| / (L + 1)) r_v(tau) sum_k x_ik x_i(k+tau)
+Cured with_instruments(IdentifyOptions const& options, Structure const& structure, Record const& record,
+                       Estimate const& estimate);
+
+/// max |C(e^iw) - 1| over w: exact for n <= 2, else on 64 n frequencies.
+double farthest_from_one(std::vector<double> const& c);
+
+/// The options that estimate without bias where the model's residuals are not white, "--noise-model 2 --instruments 3";
+/// empty where a higher order does, where they were given, or where the rows do not allow for any.
+std::string cure_for(Identified const& model, Record const& record);
+
+}  // namespace rlslab::identify

@@ -1,0 +1,191 @@
+// The program's command line: its commands, and the messages for lines that are no valid command.
+#include "src/lab/program/commands.hpp"
+#include "src/lab/program/definitions.hpp"
+#include "src/lab/report/revision.hpp"
+
+#include <rlslab/input/suggestion.hpp>
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <sstream>
+
+namespace rlslab::program {
+using namespace report;
+namespace {
+
+/// "rlslab 0.2.0 (v0.2.0-3-g0123abc)": builds of one version differ in the revision.
+std::string version_text() {
+    std::string const of = revision;
+    return fmt::format("rlslab {}{}\n", version, of == "of no repository" ? "" : " (" + of + ")");
+}
+
+struct CommandLine {
+    CLI::App app{this_program.question, program_name()};
+    std::vector<Command> const commands = this_program.commands(app);
+
+    OutputOptions output_options;
+    bool version = false, json = false;
+
+    CommandLine() {
+        app.add_flag("--version", version,
+                     "version and revision of rlslab; with --json also compiler and instruction set");
+        app.add_flag("--json", json, "with --version: as JSON");
+        app.footer(this_program.more);
+        app.require_subcommand(0, 1);  // a file may be called "list"
+        app.formatter_fn(
+            [](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
+        define_output_options(app);
+        for (Command const& command : commands) {
+            command.app->formatter(app.get_formatter());
+            define_output_options(*command.app);
+            for (CLI::Option* option : command.app->get_options())
+                if (takes_nothing(*option))
+                    option->disable_flag_override();  // --json=false would be no JSON: too clever
+        }
+    }
+    /// Anywhere on the line: before the command and behind it.
+    void define_output_options(CLI::App& taker) {
+        std::string const everywhere = "With every command";
+        taker.set_help_flag("-h,--help", "this help")->group(everywhere);
+        taker.add_flag("--quiet", output_options.quiet, "no progress on standard error: answers and errors alone")
+            ->group(everywhere);
+        taker
+            .add_option_function<std::string>(
+                "--color",
+                [this](std::string const& when) {
+                    using enum OutputOptions::Colour;
+                    output_options.colour = when == "always" ? always : when == "never" ? never : automatic;
+                },
+                "colours in the answer; default auto: on a terminal, unless NO_COLOR is set")
+            ->check([](std::string const& when) {
+                return when == "auto" || when == "always" || when == "never"
+                           ? ""
+                           : fmt::format("expected auto, always or never, found \"{}\"", printable(when));
+            })
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+            ->type_name("auto|always|never")
+            ->group(everywhere);
+    }
+
+    std::vector<std::string> names() const {
+        std::vector<std::string> out;
+        for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
+        return out;
+    }
+    /// CLI11 takes any word as an option's value, so that -1.5 can be one; one that is an option of the same command
+    /// was not meant.
+    void expect_values(std::vector<std::string> const& words) const {
+        CLI::App const* taker = &app;
+        for (size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+            if (taker == &app) {
+                auto const named =
+                    std::ranges::find(commands, words[i], [](Command const& c) { return c.app->get_name(); });
+                if (named != commands.end()) taker = named->app;
+            }
+            CLI::Option const* const option =
+                words[i].starts_with("--") ? taker->get_option_no_throw(words[i]) : nullptr;
+            if (option == nullptr || takes_nothing(*option) || ++i == words.size()) continue;
+            if (option->get_delimiter() == ',' && !words[i].empty() &&
+                words[i].find_first_not_of(',') == std::string::npos)
+                throw InputError(fmt::format("{}: expected {}, found \"{}\"", words[i - 1], option->get_type_name(),
+                                             printable(words[i])));
+            if (words[i].starts_with("--") &&
+                taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
+                throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1],
+                                             option->get_type_name(), words[i]));
+        }
+    }
+    /// What CLI11 found wrong, in our words.
+    std::string complaint(CLI::ParseError const& error) const {
+        std::string const text = error.what(), missing = " missing", required = " is required";
+        if (size_t const at = text.find(": 1 required "); at != text.npos && text.ends_with(missing))
+            return fmt::format("{}: expected {}, found nothing", text.substr(0, at),
+                               text.substr(at + 13, text.size() - at - 13 - missing.size()));
+        if (size_t const at = text.find(": At Most 1 required"); at != text.npos)
+            return text.substr(0, at) + ": expected once, found again";
+        if (size_t const at = text.find(" was given a disallowed flag override"); at != text.npos)
+            return "--" + text.substr(0, at) + ": expected no value behind it";
+        if (!text.ends_with(required)) return text;
+        std::string const name = text.substr(0, text.size() - required.size());
+        auto const asked = app.get_subcommands().front();  // the program itself requires nothing
+        for (CommandOption const& one : options_of(*asked))
+            if (one.name == name || one.value == name)
+                return fmt::format("{0}: expected {1} ({2} {0} --help)", asked->get_name(), one.spelling(),
+                                   program_name());
+        return text;
+    }
+    /// An unknown word is reported before anything else: a missing option is often a misspelt one.
+    void refuse_extra_word() const {
+        std::vector<std::string> const own = app.remaining(false),
+                                       all = app.remaining(true);  // of the program; of its command besides
+        if (all.empty()) return;
+        auto const asked = std::ranges::find_if(commands, [](Command const& c) { return c.app->parsed(); });
+        CLI::App const& misled = own.empty() && asked != commands.end() ? *asked->app : app;
+        std::string const word = own.empty() ? all.front() : own.front();
+        if (word.starts_with("-")) refuse_option(misled, word.substr(0, word.find('=')));
+        std::vector<std::string> const known = names();
+        bool const compares = &misled == &app && std::ranges::find(known, "compare") != known.end();
+        if (std::error_code no_file; compares && std::filesystem::is_regular_file(word, no_file))
+            throw InputError(fmt::format(
+                "\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
+                "if it is a filter's state",
+                printable(word, 1000)));
+        if (compares && word == "advise")
+            throw InputError("advise: it is rlslab compare --digits N now, with the same options");
+        if (&misled == &app) expect_one_of(views(known), word, "", "command");
+        throw InputError(fmt::format("\"{}\" is one word too many ({} {} --help)", printable(word), program_name(),
+                                     misled.get_name()));
+    }
+    /// Names without their dashes are compared: these would make short ones alike.
+    [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
+        std::vector<std::string> known;
+        for (CLI::Option const* option : misled.get_options())
+            known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+        std::string_view const meant =
+            nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
+        std::string const help = program_name() + (misled.get_parent() ? ' ' + misled.get_name() : "") + " --help";
+        throw InputError(fmt::format("no option \"{}\" ({})", printable(word),
+                                     meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
+    }
+    static std::vector<std::string_view> views(std::vector<std::string> const& names) {
+        return {names.begin(), names.end()};
+    }
+};
+
+}  // namespace
+
+std::function<int()> parse(std::vector<std::string> words) {
+    auto const line = std::make_shared<CommandLine>();
+    CLI::App& app = line->app;
+    if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; }))
+        line->expect_values(words);
+    std::ranges::reverse(words);  // CLI11 takes them from the back
+    try {
+        app.parse(std::move(words));
+    } catch (CLI::Success const& success) {
+        std::ostringstream text;
+        app.exit(success, text, text);
+        return [text = text.str()] { return print(text), 0; };
+    } catch (CLI::ParseError const& error) {
+        for (CLI::App const* asked : app.get_subcommands())
+            if (asked->get_help_ptr()->count() > 0)
+                return [line, asked] { return print(help_text(*asked)), 0; };  // whatever else is wrong
+        line->refuse_extra_word();
+        throw InputError(printable(line->complaint(error), 200));
+    }
+    if (line->version)
+        return [json = line->json] {
+            return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : version_text()), 0;
+        };
+    if (line->json) throw InputError("--json: expected behind --version or a command");
+    for (Command const& command : line->commands)
+        if (command.app->parsed())
+            return [line, run = command.run] {
+                set_output_options(line->output_options);
+                return run();
+            };
+    throw InputError(
+        fmt::format("expected a command: {} ({} --help has more)", fmt::join(line->names(), ", "), program_name()));
+}
+
+}  // namespace rlslab::program

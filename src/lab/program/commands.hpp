@@ -1,0 +1,124 @@
+// Functions that the program's subcommands share: checks of options, and output.
+#pragma once
+
+#include "src/lab/report/progress.hpp"
+#include "src/lab/report/provenance.hpp"
+#include "src/lab/report/stages.hpp"
+
+#include <rlslab/input/formats/open.hpp>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace rlslab::program {
+
+/// A check for a whole number in [least, most]; its message is one line.
+CLI::Validator whole(long least, long most);
+/// A check for a finite number for which `holds` is true; its message is one line that says what was expected.
+CLI::Validator real(char const* expected, bool (*holds)(double));
+/// --forgetting of the commands that estimate.
+void define_forgetting(CLI::App& command, double& forgetting);
+
+/// A check for a name that is not empty; its message is one line that says what was expected.
+CLI::Validator named(char const* expected);
+/// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV;
+/// "x(:,2),v" the columns x(:,2) and v.
+std::vector<std::string> unquoted(std::vector<std::string> const& parts);
+
+/// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not
+/// swallow FILE behind it.
+void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
+void define_seed(CLI::App& command, std::uint64_t& seed, char const* help);
+CLI::Option* define_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
+                          char const* type = "A,B");
+
+/// Of FILE, of every command that leaves out rows that miss a value.
+inline constexpr char file_with_missing_values[] =
+    "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing "
+    "values, and rows that miss one are skipped";
+
+/// --separator, --decimal and --missing, of every command that reads a file.
+void define_format(CLI::App& command, CsvFormat& format);
+
+/// --time, of the commands that take rows for samples.
+void define_time(CLI::App& command, std::string& column);
+
+/// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
+/// program instead.
+void print(std::string const& text);
+
+/// Writes a line to standard error, unless --quiet was said.
+void tell(std::string const& line);
+
+/// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The
+/// line is erased when the last copy of the function is destroyed.
+report::StagedProgress stages_after_a_second();
+report::Progress progress_after_a_second(std::string doing);
+
+/// The columns of the terminal that standard output is; 0: it is none, or does not say.
+size_t terminal_columns();
+
+/// Whether standard output is to be coloured: --color, then NO_COLOR, then whether it is a terminal that can.
+bool colour();
+
+/// The options of every command that concern its output.
+struct OutputOptions {
+    enum class Colour { automatic, always, never } colour = Colour::automatic;
+    bool quiet = false;
+};
+/// Sets them for this process.
+void set_output_options(OutputOptions const& options);
+
+/// The words of this process's command line, without the program's name, and that name.
+void set_command(std::vector<std::string> const& words, std::string const& name = "rlslab");
+/// "rlslab", or that of a program of somebody's own studies.
+std::string const& program_name();
+/// Of the kernels that run here: "baseline", "avx2", "avx512".
+char const* instruction_set();
+/// The run that an answer is from: the command without the words that change no byte of it (--out, --threads, --json,
+/// --csv, --color, --quiet) and, if `dated`, the instruction set and the date. Without them the bytes of an answer are
+/// the same on every machine.
+report::Provenance this_run(bool dated);
+/// The same of an answer about the columns that were read from a file.
+report::Provenance this_run(bool dated, std::string const& file, std::string const& sha256, long rows);
+/// --no-timings of commands that measure no time.
+void define_undated(CLI::App& command, bool& dated);
+
+/// After this call SIGINT, SIGTERM and SIGHUP leave no half-written file and no line of progress, and print this advice
+/// on standard error ("" for none). The process then ends by the signal, as its parent expects.
+void when_stopped(std::string const& advice);
+
+/// A subcommand: its options, and the function that runs it and returns the exit code.
+struct Command {
+    CLI::App* app;
+    std::function<int()> run;
+};
+Command compare_command(CLI::App& app);
+Command sweep_command(CLI::App& app);
+Command study_command(CLI::App& app);
+Command merge_command(CLI::App& app);
+Command identify_command(CLI::App& app);
+Command simulate_command(CLI::App& app);
+Command excitation_command(CLI::App& app);
+Command state_command(CLI::App& app);
+Command list_command(CLI::App& app);
+Command example_command(CLI::App& app);
+Command cite_command(CLI::App& app);
+Command help_command(CLI::App& app);
+Command man_command(CLI::App& app);         ///< not shown: for the build
+Command completion_command(CLI::App& app);  ///< not shown: for the build
+
+/// What a command line is for, and its commands. A program links one: rlslab's, or that of somebody's own studies.
+struct ThisProgram {
+    char const* question;                             ///< the first line of its help
+    char const* more;                                 ///< the last
+    char const* answer_is_no;                         ///< what exit code 1 says
+    std::vector<Command> (*commands)(CLI::App& app);  ///< in the order of the help
+};
+extern ThisProgram const this_program;
+
+/// Parses and checks the words of a command line (without the program's name). The function returned runs the command
+/// and returns the exit code. Throws InputError for words that are no valid command.
+std::function<int()> parse(std::vector<std::string> words);
+
+}  // namespace rlslab::program

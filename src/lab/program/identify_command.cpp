@@ -1,0 +1,362 @@
+// rlslab identify, simulate and excitation: from a record to a model, and from a model to a record.
+#include "src/lab/identify/identify.hpp"
+#include "src/lab/identify/text.hpp"
+#include "src/lab/program/commands.hpp"
+#include "src/lab/program/composition_options.hpp"
+#include "src/lab/program/record_options.hpp"
+
+#include <rlslab/core/files.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rlslab::program {
+using namespace identify;
+using namespace report;
+namespace {
+
+/// "1,-0.7" as numbers. Throws InputError that names the option.
+std::vector<double> numbers_of(std::string const& option, std::string const& text) {
+    std::vector<double> out;
+    for (size_t from = 0; from <= text.size();) {
+        size_t const to = std::min(text.find(',', from), text.size());
+        double value = 0;
+        auto const [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
+        if (error != std::errc() || end != text.data() + to || !std::isfinite(value))
+            throw InputError(
+                fmt::format("{}: expected numbers with commas between, found \"{}\"", option, printable(text)));
+        out.push_back(value);
+        from = to + 1;
+    }
+    return out;
+}
+
+/// The input that "prbs:10", "prbs:10:4", "white", "coloured:-0.9", "multisine:40" or "steps:5:50" describes.
+Signal input_of(std::string const& text, Index samples, Seed seed) {
+    std::string const name = text.substr(0, text.find(':'));
+    std::vector<double> p;
+    if (name.size() < text.size()) {
+        std::string rest = text.substr(name.size() + 1);
+        std::ranges::replace(rest, ':', ',');
+        p = numbers_of("--input", rest);
+    }
+    auto const whole_number = [&](size_t i, double least, double most) {
+        if (i >= p.size() || p[i] != std::floor(p[i]) || p[i] < least || p[i] > most)
+            throw InputError(
+                fmt::format("--input: {}: expected a whole number from {} to {}", printable(text), least, most));
+        return Index(p[i]);
+    };
+    double const longest = double(samples);
+    if (name == "white" && p.empty()) return white_noise(samples, seed);
+    if (name == "prbs" && p.size() <= 2)
+        return prbs(int(whole_number(0, 2, 20)), samples, p.size() > 1 ? whole_number(1, 1, longest) : 1);
+    if (name == "coloured" && !p.empty()) return coloured_noise(samples, p, seed);
+    if (name == "multisine" && p.size() == 1)
+        return multisine(samples, int(whole_number(0, 1, std::max(1.0, std::floor((longest - 1) / 2)))));
+    if (name == "steps" && p.size() == 2)
+        return random_steps(samples, whole_number(0, 1, longest), whole_number(1, p[0], longest), seed);
+    throw InputError(
+        fmt::format("--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
+                    "steps:SHORTEST:LONGEST, found \"{}\"",
+                    printable(text)));
+}
+
+struct IdentifyArguments {
+    CsvFormat format;
+    std::string file, out;
+    bool json = false, keep_mean = false, dated = true;
+    int na = -1;
+    CompositionArguments composition;
+    IdentifyOptions options;
+};
+
+int run_identify(IdentifyArguments a) {
+    a.options.detrend = !a.keep_mean;
+    if (a.na >= 0) a.options.na = a.na;
+    a.options.composition = composition_of(a.composition, a.options.forgetting);
+    DataFile file{a.file, a.format};
+    a.options.regressors = names_before_lags(a.options.regressors, file);
+    Identified model = identify::identify(file, a.options, progress_after_a_second("looking at the excitation"));
+    model.run = this_run(a.dated, model.file, model.sha256, model.samples);
+    std::string written;
+    if (!a.out.empty()) {
+        create_folder(a.out);
+        replace_file(std::filesystem::path(a.out) / "model.json", as_json(model));
+        replace_file(std::filesystem::path(a.out) / "model.html", as_page(model));
+        written = fmt::format("\n{0}/model.html, {0}/model.json", a.out);
+        if (model.tracked) {
+            replace_file(std::filesystem::path(a.out) / "tracked.csv",
+                         as_comments(*model.run) + tracked_csv(*model.tracked, parameter_names(model)));
+            written += fmt::format(", {}/tracked.csv", a.out);
+        }
+        written += "\n";
+    }
+    print(a.json ? as_json(model) : as_table(model, terminal_columns()) + written);
+    return model.failure || (model.tracked && model.tracked->broken > 0) ? 1 : 0;
+}
+
+struct SimulateArguments {
+    std::string a, b = "1", input = "prbs:10", noise_colour;
+    long samples = 1000;
+    std::uint64_t seed = 1;
+    int delay = 0;
+    double noise = 0;
+};
+
+int run_simulate(SimulateArguments const& s) {
+    if (s.delay >= s.samples)
+        throw InputError(
+            fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows "
+                        "nothing, found {}",
+                        s.samples, s.delay));
+    if (!s.noise_colour.empty() && s.noise == 0) throw InputError("--noise-colour: expected --noise, too");
+    DifferenceEquation model;
+    if (!s.a.empty()) model.a = numbers_of("--a", s.a);
+    model.b = {numbers_of("--b", s.b)};
+    model.delay = s.delay;
+    Seed seed{s.seed};
+    Signal const u = input_of(s.input, s.samples, Seed{seed.next()});
+    Seed const of_noise{seed.next()};
+    Signal xi = s.noise_colour.empty()
+                    ? white_noise(s.samples, of_noise)
+                    : coloured_noise(s.samples, numbers_of("--noise-colour", s.noise_colour), of_noise);
+    for (double& x : xi) x *= s.noise;
+    auto const check = [](char const* option, Signal const& x, char const* what) {
+        if (!std::ranges::all_of(x, [](double v) { return std::abs(v) <= largest_value; }))
+            throw InputError(fmt::format(
+                "{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what));
+    };
+    check("--input", u, "input");
+    check(s.noise_colour.empty() ? "--noise" : "--noise-colour, --noise", xi, "noise");
+    Signal const y = simulate(model, {u}, xi);
+    check("--a, --b", y, "output");
+    auto const constant = [](Signal const& x) {
+        return x.size() > 1 && std::ranges::all_of(x, [&](double v) { return v == x[0]; });
+    };
+    if (constant(y) && constant(u))
+        throw InputError(fmt::format(
+            "--samples: the input is {} over all {} of them, and nothing can be learnt from it: expected more samples, "
+            "or another --input or --seed",
+            u[0], u.size()));
+    if (constant(y))
+        throw InputError(
+            fmt::format("--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that "
+                        "pass the input on, or --noise",
+                        y[0]));
+    if (std::ranges::all_of(y, [](double v) { return std::abs(v) < 1 / largest_value; }))
+        throw InputError("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
+    std::string text = as_comments(this_run(false)) + "u,y\n";
+    for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
+    print(text);
+    return 0;
+}
+
+struct ExcitationArguments {
+    CsvFormat format;
+    std::string file, input;
+    int most = 20;
+    bool json = false, dated = true;
+};
+
+/// A column. Throws InputError with file, line and column where a value is missing.
+Signal const& without_missing(Columns const& columns, std::string const& name) {
+    Signal const& values = columns[name];
+    auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
+    if (missing != values.end())
+        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value",
+                                     columns.file, columns.lines[size_t(missing - values.begin())], printable(name)));
+    return values;
+}
+
+int run_excitation(ExcitationArguments const& a) {
+    Columns const columns = read_data({a.file, a.format}, {a.input});
+    Signal const& u = without_missing(columns, a.input);
+    Excitation const e = excitation(u, a.most, {.progress = progress_after_a_second("looking at the excitation")});
+    std::string text = fmt::format("{}: input {}, {} samples, resolution {:.3g}\n\n", printable(a.file, 200),
+                                   printable(a.input), u.size(), e.resolution) +
+                       "  order  least eigenvalue   kappa(U)  definite  above rounding  carried by rows\n";
+    nlohmann::ordered_json orders = nlohmann::ordered_json::array();
+    for (ExcitationOrder const& n : e.orders) {
+        text += fmt::format("  {:>5}  {:>16.4g}  {:>9}  {:<8}  {:<14}  {:.0f}\n", n.order, n.least,
+                            std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-",
+                            n.definite ? "yes" : "no", n.resolved ? "yes" : "no", n.carried);
+        orders.push_back({{"order", n.order},
+                          {"least_eigenvalue", n.least},
+                          {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
+                          {"definite", n.definite},
+                          {"resolved", n.resolved},
+                          {"rows_that_carry", n.carried}});
+    }
+    if (e.constant_at_start > 0)
+        text += fmt::format("\nthe input does not change over its first {} samples\n", e.constant_at_start);
+    std::string const order =
+        fmt::format("\nexciting of order {}{}", e.order, e.order == Index(a.most) ? " at least" : "");
+    if (e.persistent < e.order)
+        text += fmt::format(
+            "{}, but persistently of order {} only:\n{:.0f} of {} rows carry the least eigenvalue of order {} (the "
+            "input changes {}),\nand their noise decides what is identified\n",
+            order, e.persistent, e.orders[size_t(e.persistent)].carried, Index(u.size()) - e.persistent,
+            e.persistent + 1, e.changes == 1 ? "once" : fmt::format("{} times", e.changes));
+    else if (e.order < 2) text += order + ": no dynamic model can be identified\n";
+    else if (e.order == Index(a.most))
+        text += fmt::format("{}: a model of order {} can be identified\n", order, e.order - 1);
+    else text += fmt::format("{}: models up to order {} can be identified\n", order, e.order - 1);
+    if (e.exact_order > e.order)
+        text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n",
+                            e.exact_order, e.order);
+    nlohmann::ordered_json out = {{"file", a.file},
+                                  {"input", a.input},
+                                  {"samples", u.size()},
+                                  {"exciting_of_order", e.order},
+                                  {"exact_order", e.exact_order},
+                                  {"persistent_order", e.persistent},
+                                  {"changes", e.changes},
+                                  {"resolution", e.resolution},
+                                  {"constant_at_start", e.constant_at_start},
+                                  {"orders", orders}};
+    out["run"] = nlohmann::ordered_json::parse(
+        as_json(this_run(a.dated, printable(a.file, 200), columns.sha256, columns.rows())));
+    print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
+    return e.order >= 2 ? 0 : 1;
+}
+
+}  // namespace
+
+Command identify_command(CLI::App& app) {
+    auto const a = std::make_shared<IdentifyArguments>();
+    CLI::App* const c =
+        app.add_subcommand("identify", "An ARX model of a record: order, parameters, and whether to believe them.");
+    c->footer(
+        "The model:  y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + e[k]\n"
+        "(nb counts from b0: MATLAB's arx calls this [na nb+1 delay].)\n\n"
+        "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
+        "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
+        "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n"
+        "A series alone:           rlslab identify data.csv --output y --order 3\n"
+        "In seconds and hertz:     rlslab identify data.csv --input u --output y --sample-time 0.01 --out model\n"
+        "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 "
+        "--out model\n\n"
+        "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise "
+        "variance, theta and the "
+        "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of "
+        "--forgetting alone.\n\n" +
+        control_notes() +
+        "\n"
+        "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
+        "record that do not "
+        "make sense.");
+    c->add_option("FILE", a->file, file_with_missing_values)->required()->type_name("");
+    define_format(*c, a->format);
+    auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
+        return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
+    };
+    list("--input", a->options.inputs, "U[,V]",
+         "column of the input, or several; none: y is predicted from its own past");
+    c->add_option("--output", a->options.output, "column of the output")->required()->type_name("COLUMN");
+    c->add_option("--order", a->options.order, "na = nb = N instead of a choice")->check(whole(1, 200))->type_name("N");
+    c->add_option("--max-order", a->options.max_order, "the largest order to choose from; default 10")
+        ->check(whole(1, 200))
+        ->type_name("N");
+    c->add_option("--na", a->na, "past outputs, y[k-1] ... y[k-N]; with --nb, instead of a choice")
+        ->check(whole(0, 200))
+        ->type_name("N");
+    list("--nb", a->options.nb, "N[,N]", "inputs u[k-delay] ... u[k-delay-N], for all inputs or for each")
+        ->check(whole(0, 200));
+    list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")
+        ->check(whole(0, 100000));
+    define_time(*c, a->options.time);
+    c->add_option("--sample-time", a->options.sample_time,
+                  "seconds from one sample to the next: times in seconds, frequencies in hertz; default: in samples")
+        ->check(real("seconds from 1e-15 to 1e15", [](double x) { return 1e-15 <= x && x <= 1e15; }))
+        ->type_name("T");
+    list("--regressors", a->options.regressors, "A,B",
+         "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
+    c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")
+        ->type_name("NAME");
+    define_forgetting(*c, a->options.forgetting);
+    define_composition(*c, a->composition);
+    c->add_option("--p0", a->options.p0,
+                  "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
+        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
+        ->type_name("C2");
+    c->add_option("--validate", a->options.validate, "part at the end that is held out, in [0, 0.9]; default 1/3")
+        ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))
+        ->type_name("PART");
+    c->add_option("--confidence", a->options.confidence, "of the intervals; default 0.95")
+        ->check(real("a number from 0.001 to 0.999999", [](double x) { return 0.001 <= x && x <= 0.999999; }))
+        ->type_name("P");
+    c->add_option("--noise-model", a->options.noise_model,
+                  "N of the noise's C = 1 + c1 q^-1 + ... + cN q^-N: the parameters again, without the bias of "
+                  "coloured residuals")
+        ->check(whole(1, 200))
+        ->type_name("N");
+    c->add_option("--instruments", a->options.instruments,
+                  "the same without a model of the noise: N further past lags of each input as instruments")
+        ->check(whole(1, 1000))
+        ->type_name("N");
+    c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
+    c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
+    c->add_flag("--json", a->json, "JSON instead of the table");
+    define_undated(*c, a->dated);
+    c->add_option("--out", a->out, "folder for model.html, model.json and, with a composition, tracked.csv")
+        ->check(named("the name of a folder"))
+        ->type_name("DIR");
+    return {c, [a] {
+                a->options.inputs = unquoted(a->options.inputs),
+                a->options.regressors = unquoted(a->options.regressors);
+                return run_identify(*a);
+            }};
+}
+
+Command simulate_command(CLI::App& app) {
+    auto const s = std::make_shared<SimulateArguments>();
+    CLI::App* const c = app.add_subcommand("simulate", "A record of a known system: columns u and y as CSV.");
+    c->footer(
+        "The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
+        "Example:     rlslab simulate --a -1.5,0.7 --b 1,0.5 --noise 0.1 > data.csv\n\n"
+        "Exit code: 0 a record; 2 one that grows beyond 2^500, or options that make no sense.");
+    c->add_option("--a", s->a, "coefficients a1,a2,...; default none")->type_name("A1,...");
+    c->add_option("--b", s->b, "coefficients b0,b1,...; default 1")->type_name("B0,...");
+    c->add_option("--delay", s->delay, "samples from input to output; default 0")
+        ->check(whole(0, 100000))
+        ->type_name("N");
+    c->add_option("--input", s->input,
+                  "the signal u: white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
+                  "steps:SHORTEST:LONGEST; default prbs:10")
+        ->type_name("SIGNAL");
+    c->add_option("--samples", s->samples, "rows of the record; default 1000")
+        ->check(whole(1, 10000000))
+        ->type_name("N");
+    c->add_option("--noise", s->noise, "standard deviation of the noise e; default 0")
+        ->check(real("a number of at least 0", [](double x) { return x >= 0; }))
+        ->type_name("SD");
+    c->add_option("--noise-colour", s->noise_colour, "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)")
+        ->type_name("A1,...");
+    define_seed(*c, s->seed, "of the random input and noise; default 1");
+    return {c, [s] { return run_simulate(*s); }};
+}
+
+Command excitation_command(CLI::App& app) {
+    auto const a = std::make_shared<ExcitationArguments>();
+    CLI::App* const c = app.add_subcommand("excitation", "Up to which order an input can identify a system.");
+    c->footer(
+        "Example:  rlslab excitation data.csv --input u\n\n"
+        "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no "
+        "sense.");
+    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's")
+        ->required()
+        ->type_name("");
+    define_format(*c, a->format);
+    c->add_option("--input", a->input, "column of the input")->required()->type_name("COLUMN");
+    c->add_option("--max-order", a->most, "the largest order that is tried; default 20")
+        ->check(whole(1, 200))
+        ->type_name("N");
+    c->add_flag("--json", a->json, "JSON instead of the table");
+    define_undated(*c, a->dated);
+    return {c, [a] { return run_excitation(*a); }};
+}
+
+}  // namespace rlslab::program

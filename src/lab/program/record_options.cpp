@@ -1,0 +1,244 @@
+// FILE, columns, model: options, and the rows they describe.
+#include "src/lab/program/record_options.hpp"
+#include "src/lab/program/examples.hpp"
+
+#include <rlslab/input/constant.hpp>
+#include <rlslab/input/counting.hpp>
+#include <rlslab/input/times.hpp>
+#include <rlslab/model/excitation.hpp>
+#include <rlslab/model/lags.hpp>
+#include <rlslab/model/regression.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+namespace rlslab::program {
+using namespace compare;
+using namespace report;
+namespace {
+
+/// Takes the mean of what is there off each column.
+std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
+    std::vector<std::pair<std::string, double>> out;
+    for (size_t j = 0; j < columns.names.size(); ++j) {
+        std::vector<double>& x = columns.values[j];
+        double sum = 0, there = 0;
+        for (double const v : x)
+            if (!std::isnan(v)) sum += v, ++there;
+        double const mean = constant_value(x).value_or(there > 0 ? sum / there : 0);
+        for (double& v : x) v -= mean;
+        out.emplace_back(printable(columns.names[j]), mean);
+    }
+    return out;
+}
+
+}  // namespace
+
+void define_record(CLI::App& command, RecordArguments& a) {
+    CLI::Option* const file = command.add_option("FILE", a.file, file_with_missing_values)->required()->type_name("");
+    define_format(command, a.format);
+    define_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
+    CLI::Option* const output =
+        command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
+    command
+        .add_option_function<std::string>(
+            "--example",
+            [&a, file, output](std::string const& name) {
+                a.example = name;
+                file->required(false), output->required(false);  // these are checked behind this
+            },
+            "in place of FILE a record of the program, with a model of its own (rlslab example)")
+        ->check(named("the name of an example"))
+        ->type_name("EXAMPLE");
+    define_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
+    define_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
+    define_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
+    command.add_option("--delay", a.delay, "samples from input to output")
+        ->check(CLI::Validator(
+            [](std::string& text) {
+                return text.find(',') == text.npos ? ""
+                                                   : "expected one number for all inputs; delays of each are lags: "
+                                                     "--regressors y[k-1],u[k-3],v[k-1]";
+            },
+            ""))
+        ->check(whole(0, 1000000))
+        ->type_name("N");
+    define_names(command, "--regressors", a.regressors,
+                 "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
+                 "whose past outputs have a minus: these have none");
+    command.add_flag("--intercept", a.intercept, "a constant regressor besides");
+    command.add_flag("--detrend", a.detrend, "take the mean off each column first");
+    define_time(command, a.time);
+}
+
+std::string usual_arithmetic(std::string name) {
+    static constexpr std::pair<std::string_view, char const*> others[] = {
+        {"half", "binary16"},    {"single", "float"},  {"fp32", "float"},   {"f32", "float"},
+        {"binary32", "float"},   {"fp64", "double"},   {"f64", "double"},   {"binary64", "double"},
+        {"float16", "binary16"}, {"fp16", "binary16"}, {"f16", "binary16"}, {"bf16", "bfloat16"}};
+    auto const known = std::ranges::find(others, name, &std::pair<std::string_view, char const*>::first);
+    return known == std::end(others) ? std::move(name) : known->second;
+}
+
+void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
+    define_names(command, "--arithmetic", into, help)
+        ->transform(CLI::Validator([](std::string& name) { return name = usual_arithmetic(name), std::string(); }, ""));
+}
+
+namespace {
+
+/// What the options describe: a regression on columns with lags, or where there are none an ARX model.
+struct Model {
+    std::vector<std::string> columns;  ///< to be read, each once
+    std::vector<Lagged> lagged;
+    Arx arx;
+
+    void read(std::string const& column) {
+        if (std::ranges::find(columns, column) == columns.end()) columns.push_back(column);
+    }
+};
+
+Model regression_of(RecordArguments const& a) {
+    if (!a.inputs.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
+        throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
+    Model out{.columns = {}, .lagged = lagged_of("--regressors", a.regressors, a.output), .arx = {}};
+    for (Lagged const& r : out.lagged) out.read(r.column);
+    return out;
+}
+
+Model arx_of(RecordArguments const& a) {
+    if (a.inputs.empty()) {
+        int const na = std::max(a.order, a.na);
+        std::string const to = na > 1 ? fmt::format("..k-{}", na) : "";
+        throw InputError(fmt::format("--input: expected the name of the input column, or several (or --regressors {})",
+                                     na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c"));
+    }
+    if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
+    if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
+    Model out{.columns = {}, .lagged = {}, .arx = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb}};
+    out.arx.delay = a.delay;
+    out.arx.intercept = a.intercept;
+    out.arx.inputs = int(a.inputs.size());
+    for (std::string const& input : a.inputs) {
+        if (std::ranges::count(a.inputs, input) > 1)
+            throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
+        if (input == a.output)
+            throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
+        out.read(input);
+    }
+    return out;
+}
+
+Model model_of(RecordArguments const& a) {
+    if (a.file.empty() && a.example.empty()) throw InputError("FILE: expected the name of a file");
+    if (a.output.empty()) throw InputError("--output: expected the name of the output column");
+    Model out = a.regressors.empty() ? arx_of(a) : regression_of(a);
+    out.read(a.output);
+    return out;
+}
+
+Records records_of(Columns const& data, RecordArguments const& a, Model const& model, std::vector<Index>& rows) {
+    if (!model.lagged.empty()) return lagged_records(data, model.lagged, a.output, a.intercept, &rows);
+    std::vector<std::span<double const>> inputs;
+    for (std::string const& input : a.inputs) inputs.emplace_back(data[input]);
+    return arx_records(inputs, a.inputs, data[a.output], model.arx, data.file, &rows);
+}
+
+Columns columns_of(RecordArguments const& a, DataFile const& file, std::vector<std::string> const& names) {
+    if (a.example.empty()) return read_data(file, names, a.time);
+    return read_text(example_named(a.example, "--example").text, a.example + ".csv", names, a.time);
+}
+
+/// What a parameter multiplies: a column with a lag, or 1.
+struct Multiplied {
+    std::string column;  ///< "": 1
+    int lag = 0;
+    bool negative = false;
+};
+/// In the order of the records' columns.
+std::vector<Multiplied> multiplied(RecordArguments const& a, Model const& model) {
+    std::vector<Multiplied> out;
+    if (!model.lagged.empty()) {
+        if (a.intercept) out.push_back({});
+        for (Lagged const& r : model.lagged) out.push_back({r.column, r.lag});
+        return out;
+    }
+    for (int i = 1; i <= model.arx.na; ++i) out.push_back({a.output, i, true});
+    for (std::string const& input : a.inputs)
+        for (int i = 0; i <= model.arx.nb; ++i) out.push_back({input, model.arx.delay + i});
+    if (a.intercept) out.push_back({});
+    return out;
+}
+
+/// "-sales[k-1]", "lead[k]", "1".
+std::string text_of(Multiplied const& m, bool header) {
+    if (m.column.empty()) return "1";
+    return (m.negative ? "-" : "") + rlslab::text_of({header ? m.column : "column " + m.column, m.lag});
+}
+
+Index longest_lag(Model const& model) {
+    Index out = model.lagged.empty() ? model.arx.presample() : 0;
+    for (Lagged const& r : model.lagged) out = std::max<Index>(out, r.lag);
+    return out;
+}
+
+/// Of the numbers as they stand in the file; computed ones may carry some dozens of roundings.
+double resolution_in(std::vector<double> known) {
+    std::erase_if(known, [](double v) { return std::isnan(v); });
+    return known.empty() ? 0 : resolution_of(known, 0x1p-46);
+}
+
+}  // namespace
+
+std::vector<std::string> names_before_lags(std::vector<std::string> words, std::vector<std::string> const& columns) {
+    for (std::string& word : words)
+        if (word.ends_with(']') && std::ranges::find(columns, word) != columns.end()) word += "[k]";
+    return words;
+}
+std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file) {
+    for (std::string& word : words) {
+        word.erase(0, word.find_first_not_of(' '));
+        word.erase(word.find_last_not_of(' ') + 1);
+    }
+    bool const brackets = std::ranges::any_of(words, [](std::string const& word) { return word.ends_with(']'); });
+    std::vector<std::string> const columns = brackets ? columns_among(words, file) : std::vector<std::string>();
+    return names_before_lags(std::move(words), columns);
+}
+
+Question question_of(RecordArguments a, std::optional<Columns>* kept) {
+    a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
+    DataFile file{a.file, a.format};
+    bool const known = kept && *kept;
+    if (known) a.regressors = names_before_lags(a.regressors, (*kept)->names);
+    else if (!a.file.empty()) a.regressors = names_before_lags(a.regressors, file);
+    Model const model = model_of(a);
+    expect_times_apart(a.time, a.output, a.inputs);
+    Columns data = known ? **kept : columns_of(a, file, model.columns);
+    if (kept && !*kept) *kept = data;
+    Question out;
+    out.model.file = printable(data.file, 200);
+    out.sha256 = data.sha256, out.rows = data.rows();
+    std::vector<std::string> regressors = model.columns;
+    std::erase(regressors, a.output);
+    out.model.warnings = counting_warnings(data, regressors);
+    Index const longest = longest_lag(model);
+    if (auto const sentence = a.time.empty() && longest > 0 ? sentence_on_times(data) : std::nullopt)
+        out.model.warnings.push_back(*sentence);
+    if (!a.time.empty()) data = in_order_of_time(std::move(data), std::max<Index>(1000, longest));
+    std::map<std::string, double> resolution{{"", 0}};
+    for (size_t j = 0; j < data.names.size(); ++j) resolution[data.names[j]] = resolution_in(data.values[j]);
+    if (a.detrend) out.model.means = subtract_means(data);
+    out.model.output = text_of({a.output}, data.header);
+    for (Multiplied const& m : multiplied(a, model)) {
+        out.model.regressors.push_back(text_of(m, data.header));
+        out.in_file.resolution.push_back(resolution[m.column]);
+    }
+    out.records = records_of(data, a, model, out.in_file.rows);
+    out.in_file.order = out.records.presample - model.arx.delay;
+    out.in_file.lines = std::move(data.lines);
+    return out;
+}
+
+}  // namespace rlslab::program

@@ -1,0 +1,125 @@
+// The options that every run of trials has, and such a run: whole, or a part of it.
+#include "src/lab/program/study_options.hpp"
+#include "src/lab/report/svg.hpp"
+#include <rlslab/studies/journal.hpp>
+#include <rlslab/studies/report.hpp>
+
+#include <rlslab/core/files.hpp>
+#include <rlslab/core/input_error.hpp>
+#include <rlslab/input/text.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <fmt/format.h>
+#include <fstream>
+#include <optional>
+
+namespace rlslab::program {
+using namespace report;
+using namespace studies;
+namespace {
+
+/// "2/8"; nothing for what is no part.
+std::optional<Part> part_of(std::string const& text) {
+    Part part;
+    char const *const end = text.data() + text.size(), *const slash = std::find(text.data(), end, '/');
+    auto const number = std::from_chars(text.data(), slash, part.number);
+    if (number.ec != std::errc() || number.ptr != slash || slash == end) return {};
+    auto const of = std::from_chars(slash + 1, end, part.of);
+    if (of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of || part.of > 100000)
+        return {};
+    return part;
+}
+
+void keep_when_stopped(StudyRun const& run) {
+    when_stopped(fmt::format("{}: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
+                             program_name(), printable(run.out, 200)));
+}
+
+}  // namespace
+
+void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char const* or_merge) {
+    define_seed(command, run.options.seed, seed_help);
+    command
+        .add_option("--threads", run.options.threads,
+                    "how many run at once; default: all cores. No byte of a table depends on it")
+        ->check(whole(1, 4096))
+        ->type_name("N");
+    command.add_option("--out", run.out, "folder for tables, figures and the report; default: " + run.out)
+        ->check(named("a folder"))
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("DIR");
+    command.add_flag("--fresh", run.fresh, "forget what an earlier run of this has finished");
+    command
+        .add_option_function<std::string>(
+            "--part", [&run](std::string const& text) { run.part = *part_of(text); },
+            fmt::format("run the trials of part I of N alone: on other machines, into one folder that all see{}",
+                        or_merge))
+        ->check([](std::string const& text) {
+            return part_of(text)
+                       ? ""
+                       : fmt::format("expected I/N with 1 <= I <= N <= 100000, found \"{}\"", printable(text));
+        })
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("I/N");
+}
+
+void check_part(StudyRun const& run) {
+    if (run.fresh)
+        throw InputError(
+            "--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
+}
+
+std::string noted_run(std::string const& folder) {
+    std::filesystem::path const path = std::filesystem::path(folder) / ".trials" / "run.json";
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return "";
+    if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
+        throw InputError(fmt::format("{}: expected the file that {} study --part writes", printable(path.string(), 200),
+                                     program_name()));
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void expect_no_other_run(std::string const& folder, char const* file, char const* command) {
+    if (std::filesystem::exists(std::filesystem::path(folder) / file))
+        throw InputError(fmt::format("--out {}: holds what {} {} made ({}); expected another folder",
+                                     printable(folder, 200), program_name(), command, file));
+}
+
+void note_run(StudyRun const& run, std::string const& text, char const* others) {
+    std::string const before = noted_run(run.out);
+    if (!before.empty() && before != text)
+        throw InputError(fmt::format("{}: holds parts of {}; expected another --out, or that run finished",
+                                     printable(run.out, 200), others));
+    replace_file(run.options.out / ".trials" / "run.json", text);
+}
+
+Share run_share(std::vector<Study const*> const& chosen, StudyRun const& run) {
+    keep_when_stopped(run);
+    return run_part(chosen, run.options, run.part, progress_after_a_second("studying"));
+}
+
+std::string part_text(StudyRun const& run, Share const& share, char const* or_merge) {
+    return fmt::format(
+        "{}: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
+        "--part{} makes the tables\n",
+        program_name(), run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge);
+}
+
+std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun const& run) {
+    std::filesystem::path const& out = run.options.out;
+    create_folder(out / "figures");
+    for (char const* part : {"", ".trials", "figures"}) remove_leftovers(out / part);
+    keep_when_stopped(run);
+    if (run.fresh)
+        for (Study const* study : chosen) forget_trials(out / ".trials", study->name);
+    std::vector<Outcome> const outcomes = run_studies(chosen, run.options, progress_after_a_second("studying"));
+    for (Outcome const& outcome : outcomes)
+        for (Figure const& figure : figures(*outcome.study, outcome.table))
+            replace_file(out / "figures" / (figure.name + ".svg"), svg(figure));
+    replace_file(out / "report.html", report_html(outcomes, run.options));
+    return outcomes;
+}
+
+}  // namespace rlslab::program

@@ -1,0 +1,183 @@
+// A study made at run time: the variants on a record, over values of forgetting, prior, arithmetic and model order.
+#include "src/lab/program/sweep.hpp"
+#include "src/lab/compare/score.hpp"
+#include "src/lab/program/record_options.hpp"
+
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/core/input_error.hpp>
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/input/text.hpp>
+#include <rlslab/model/default_prior.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <memory>
+
+namespace rlslab::program {
+using namespace compare;
+using namespace studies;
+namespace {
+
+/// What the trials share; they only read it.
+struct Given {
+    std::map<double, Records> records;                              ///< by model order
+    std::map<std::pair<double, double>, Prior<double>> by_default;  ///< by model order and forgetting
+    std::vector<std::string> variants;
+    std::uint64_t seed;
+};
+
+double number_in(std::string const& factor, std::string const& text, char const* expected, bool (*holds)(double)) {
+    double value = 0;
+    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value)) return value;
+    throw InputError(fmt::format("--vary {}: expected {}, found \"{}\"", factor, expected, printable(text)));
+}
+
+Cell value_of(std::string const& factor, std::string const& text) {
+    std::string const where = "--vary " + factor;
+    if (factor == "arithmetic") return std::string(arithmetic_named(usual_arithmetic(text), where).name);
+    if (factor == "forgetting")
+        return number_in(factor, text, "numbers in (0, 1]", [](double x) { return 0 < x && x <= 1; });
+    if (factor == "order")
+        return number_in(factor, text, "whole numbers from 1 to 1000",
+                         [](double x) { return 1 <= x && x <= 1000 && x == std::floor(x); });
+    if (factor == "prior") {
+        if (text == "scaled") return text;
+        return number_in(factor, text, "scaled, or a positive number c^2", [](double x) { return 0 < x; });
+    }
+    std::vector<std::string_view> variants;
+    for (CatalogueEntry const* const entry : one_entry_each()) variants.push_back(entry->variant);
+    expect_one_of(variants, text, where, "variant");
+    return text;
+}
+
+/// The factors in the order of sweep_factors, with the values that are varied or the default alone. Variants are none:
+/// all share a trial's reference.
+std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& variants) {
+    std::vector<Factor> out{{"order", {double(sweep.order)}},
+                            {"forgetting", {1.0}},
+                            {"prior", {std::string("scaled")}},
+                            {"arithmetic", {std::string("float"), std::string("double")}},
+                            {"variant", {}}};
+    for (auto const& [name, values] : sweep.vary) {
+        expect_one_of({std::begin(sweep_factors), std::end(sweep_factors)}, name, "--vary", "factor");
+        Factor& factor = *std::ranges::find(out, name, &Factor::name);
+        factor.values.clear();
+        for (std::string const& text : values) {
+            Cell const value = value_of(name, text);
+            if (std::ranges::find(factor.values, value) != factor.values.end())
+                throw InputError(fmt::format("--vary {}: {} is there twice", name, as_text(value)));
+            factor.values.push_back(value);
+        }
+    }
+    for (Cell const& variant : out.back().values) variants.push_back(std::get<std::string>(variant));
+    bool any = variants.empty();
+    for (Cell const& name : out[3].values)
+        for (CatalogueEntry const* const entry : entries_in(arithmetic_named(std::get<std::string>(name), "")))
+            any = any || std::ranges::find(variants, entry->variant) != variants.end();
+    if (!any) throw InputError("--vary: expected a variant that exists in one of the arithmetics");
+    out.back() = {"row_order", {}};
+    for (int i = 1; i <= sweep.row_orders; ++i) out.back().values.emplace_back(double(i));
+    return out;
+}
+
+/// The rows in the i-th order; empty for the first, the record's.
+std::vector<Index> order_of_rows(Index rows, int i, std::uint64_t seed) {
+    if (i == 1) return {};
+    Seed draws{Seed{seed + std::uint64_t(i)}.next()};
+    return shuffled(rows, draws);
+}
+
+Prior<double> prior_of(Given const& given, Trial const& trial) {
+    Cell const& value = trial.value("prior");
+    if (std::holds_alternative<double>(value)) return {.variance = std::get<double>(value)};
+    return given.by_default.at({trial.number("order"), trial.number("forgetting")});
+}
+
+void measure(Given const& given, Trial const& trial, TrialOutput& out) {
+    Records const& records = given.records.at(trial.number("order"));
+    double const forgetting = trial.number("forgetting");
+    Arithmetic const& arithmetic = arithmetic_named(trial.text("arithmetic"), "arithmetic");
+    Problem<double> const problem{
+        .size = records.parameters(), .forgetting = forgetting, .prior = prior_of(given, trial)};
+    RoundedProblem const rounded = rounded_problem(
+        records, problem, arithmetic.round, {order_of_rows(records.rows(), int(trial.number("row_order")), given.seed)},
+        std::max(30, int(arithmetic.decimal_digits()) + 15));
+    for (CatalogueEntry const* const entry : entries_in(arithmetic)) {
+        std::string const variant(entry->variant);
+        if (!given.variants.empty() && std::ranges::find(given.variants, variant) == given.variants.end()) continue;
+        Result const r = score(*entry, rounded, given.seed);
+        double const none = std::nan("");
+        auto const median = [&](Spread PerMeasure<Spread>::*of) { return r.spread ? ((*r.spread).*of).median : none; };
+        out({variant, double(arithmetic.digits), median(&PerMeasure<Spread>::theta), median(&PerMeasure<Spread>::worst),
+             r.spread ? r.worst_low : none, median(&PerMeasure<Spread>::covariance),
+             r.breakdown ? double(r.breakdown->step) : none,
+             r.breakdown ? std::string(name_of(r.breakdown->kind)) : std::string("none")});
+    }
+}
+
+/// A picture for each of these with several numbers: digits of the worst component of theta.
+std::vector<Plot> plots_of(std::vector<Factor> const& factors) {
+    std::vector<Plot> out;
+    bool several = false;
+    for (Factor const& factor : factors) several = several || (factor.name == "arithmetic" && factor.values.size() > 1);
+    auto const add = [&](std::string const& x, std::string const& label, bool log,
+                         std::vector<std::pair<std::string, std::vector<std::string>>> const& where = {}) {
+        out.push_back({.title = "Digits of the worst component of theta",
+                       .x = x,
+                       .y = "worst",
+                       .panel = several && x != "bits" ? "arithmetic" : "",
+                       .log = log ? "x" : "",
+                       .x_label = label,
+                       .y_label = "digits",
+                       .where = where});
+    };
+    for (Factor const& factor : factors) {
+        std::vector<std::string> numbers;  // "scaled" has no place on an axis
+        for (Cell const& cell : factor.values)
+            if (std::holds_alternative<double>(cell)) numbers.push_back(as_text(cell));
+        if (numbers.size() < 2) continue;
+        if (factor.name == "forgetting") add("forgetting", "lambda", false);
+        if (factor.name == "prior") add("prior", "c^2 of P0", true, {{"prior", numbers}});
+        if (factor.name == "order") add("order", "model order", false);
+    }
+    if (several) add("bits", "bits of the significand", false);
+    return out;
+}
+
+}  // namespace
+
+Study study_of(Sweep const& sweep, std::uint64_t seed) {
+    auto const given = std::make_shared<Given>();
+    std::vector<Factor> const factors = factors_of(sweep, given->variants);
+    given->seed = seed;
+    for (Cell const& order : factors[0].values) {
+        double const value = std::get<double>(order);
+        Records const& records = given->records[value] = sweep.records(int(value));
+        if (std::ranges::find(factors[2].values, Cell(std::string("scaled"))) == factors[2].values.end()) continue;
+        for (Cell const& forgetting : factors[1].values) {  // once for all orders of rows; what it refuses, now
+            double const lambda = std::get<double>(forgetting);
+            given->by_default.insert_or_assign({value, lambda}, default_prior(records, lambda).prior());
+        }
+    }
+    return {
+        .name = "sweep",
+        .question = "Which variant keeps how many digits on this record, and where does that change?",
+        .source = {},
+        .formula = {},
+        .interpretation =
+            "Digits of theta, of its worst component and of P: medians over the checkpoints, against "
+            "the certified solution of the problem as the arithmetic stores it; worst_low: nine "
+            "tenths of the checkpoints keep more. Other orders of rows where forgetting = 1.",
+        .factors = [factors](Budget) { return factors; },
+        .admits = [](Trial const& trial) { return trial.number("row_order") == 1 || trial.number("forgetting") == 1; },
+        .measures = {"variant", "bits", "theta", "worst", "worst_low", "P", "broken_at", "breakdown"},
+        .measure = [given](Trial const& trial, TrialOutput& out) { measure(*given, trial, out); },
+        .plots = plots_of(factors),
+        .claims = {}};
+}
+
+}  // namespace rlslab::program

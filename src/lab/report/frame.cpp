@@ -1,0 +1,214 @@
+// A panel's axes: their ranges, margins that fit the labels, the grid.
+#include "src/lab/report/plot.hpp"
+#include "src/lab/report/svg.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rlslab::report::plot {
+namespace {
+
+constexpr double label_size = 13, line_height = 16;
+
+double width_of(Tick const& tick) { return tick_size * (text_width(tick.text) + 0.75 * text_width(tick.power)); }
+std::string tspans(Tick const& tick) {
+    if (tick.power.empty()) return escaped_xml(tick.text);
+    return fmt::format("{}<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", escaped_xml(tick.text), tick.power);
+}
+
+// --- ranges ----------------------------------------------------------------------------------------------------------
+
+void add(Range& range, std::vector<double> const& values, bool logarithmic, double least = -INFINITY) {
+    for (double const v : values)
+        if (double const at = v < least ? least : v; Axis::shows(at, logarithmic)) range.add(at);
+}
+
+Range x_range(Figure const& figure, Panel const* only) {
+    Range out;
+    for (Panel const& panel : figure.panels) {
+        if (only && &panel != only) continue;
+        for (auto const* curves : {&panel.curves, &panel.guides})
+            for (Curve const& curve : *curves) add(out, curve.x, figure.log_x);
+        for (Event const& event : panel.events) add(out, {event.x}, figure.log_x);
+    }
+    if (!figure.x_names.empty()) add(out, {-0.5, double(figure.x_names.size()) - 0.5}, false);
+    return out;
+}
+
+/// Of the curves; of guides what is at most half as far beyond as the curves' range is long.
+Range y_range(Figure const& figure, Panel const* only, bool logarithmic) {
+    Range out, guides;
+    add(out, figure.y_holds, logarithmic);
+    for (Panel const& panel : figure.panels) {
+        if (only && &panel != only) continue;
+        add(out, panel.y_holds, logarithmic);
+        for (Curve const& curve : panel.curves)
+            for (auto const* values : {&curve.y, &curve.lower, &curve.upper})
+                add(out, *values, logarithmic, panel.y_least);
+        for (Event const& event : panel.events) add(out, {event.y}, logarithmic, panel.y_least);
+    }
+    Axis near(out, logarithmic, 0.5);
+    near.place(0, 1);
+    for (Panel const& panel : figure.panels) {
+        if (only && &panel != only) continue;
+        for (Curve const& guide : panel.guides)
+            for (double const y : guide.y)
+                if (near.shows(y) && (out.empty() || figure.square || (near(y) >= 0 && near(y) <= 1))) guides.add(y);
+    }
+    if (!guides.empty()) out.add(guides.low), out.add(guides.high);
+    return out;
+}
+
+Bottom bottom_of(Figure const& figure, Axis const& axis, double width, std::vector<std::string> const& label) {
+    Bottom out;
+    if (!figure.x_names.empty()) {
+        double widest = 0;
+        for (size_t i = 0; i < figure.x_names.size(); ++i)
+            out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 180), "",
+                                 std::ranges::find(figure.strong_x, i) != figure.strong_x.end()}),
+                widest = std::max(widest, width_of(out.ticks.back()));
+        out.slanted = (widest + 8) * double(figure.x_names.size()) > width;
+        out.height = out.slanted ? 0.6 * widest + 16 : 20;
+    } else if (!figure.x_ticks.empty()) {
+        for (double const x : figure.x_ticks)
+            if (axis.shows(x)) out.ticks.push_back({x, tick_text(fmt::format("{:.6g}", x))});
+        out.height = 20;
+    } else {
+        int about = int(width / 62);
+        for (Ticks found = axis.ticks(about);; found = axis.ticks(--about)) {  // fewer until their labels do not touch
+            out.ticks = found.all, out.left_out = found.left_out;
+            double sum = 0;
+            for (Tick const& tick : out.ticks) sum += tick.text.empty() ? 0 : width_of(tick) + 10;
+            if (sum <= width || about <= 2) break;
+        }
+        out.height = 20;
+    }
+    out.height += line_height * double(label.size()) + (label.empty() ? 2 : 6);
+    return out;
+}
+
+}  // namespace
+
+Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double width, double height) {
+    double const columns = double(std::max<size_t>(1, cells.places.size()));
+    Range const along = figure.cells || figure.square ? x_range(figure, &panel) : x_range(figure, nullptr);
+    Axis x(along, figure.log_x, figure.cells ? 0.5 / columns : figure.x_names.empty() ? 0.03 : 0);
+    bool const logarithmic = logarithmic_y(figure, panel) && !figure.cells;
+    Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5}
+                        : y_range(figure, figure.own_y || figure.square ? &panel : nullptr, logarithmic),
+           logarithmic,
+           figure.cells   ? 0
+           : figure.names ? 0.1
+                          : 0.05);
+    bool const square = figure.square && !figure.log_x && !logarithmic;
+    int const about = std::max(2, int((height - 60) / 42));
+
+    // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the
+    // labels.
+    Frame out{.axes = {x, y, {}},
+              .left = {},
+              .bottom = {},
+              .x_lines = wrapped(figure.x, label_size, width - 90, 3),
+              .y_lines = {},
+              .widest = 0};
+    Box& box = out.axes.box = {0, 18, width - 20, 0};  // half a label of x stands beyond either side
+    for (int pass = 0; pass < (square ? 3 : 1); ++pass) {
+        out.left = figure.cells ? Ticks{} : y.ticks(about);
+        for (size_t r = 0; r < cells.rows.size(); ++r)
+            out.left.all.push_back({double(r), shortened(cells.rows[r], tick_size, 0.35 * width)});
+        for (Tick const& tick : out.left.all) out.widest = std::max(out.widest, width_of(tick));
+        Bottom const guess = bottom_of(figure, x, width - 90, out.x_lines);
+        out.y_lines = wrapped(figure.cells ? figure.series : figure.y, label_size, height - box.top - guess.height, 3);
+        box.left =
+            std::max(24.0, out.widest + 10 + line_height * double(out.y_lines.size()) + (out.y_lines.empty() ? 2 : 6));
+        out.x_lines = wrapped(figure.x, label_size, box.right - box.left, 3);
+        out.bottom = bottom_of(figure, x, box.right - box.left, out.x_lines);
+        box.bottom = std::max(box.top + 20, height - out.bottom.height);
+        if (!square) break;
+        double const per_x = std::ldexp(x.length() / (box.right - box.left), x.exponent() - y.exponent()),
+                     per_y = y.length() / (box.bottom - box.top);
+        per_x > per_y ? y.lengthen(per_x / per_y) : x.lengthen(per_y / per_x);
+    }
+    if (square)
+        out.left = y.ticks(about), out.bottom.ticks = bottom_of(figure, x, box.right - box.left, out.x_lines).ticks;
+    x.place(box.left, box.right), y.place(box.bottom, box.top);
+    out.axes.x = x, out.axes.y = y;
+    return out;
+}
+
+std::string grid_group(Figure const& figure, Frame const& frame) {
+    auto const& [x, y, box] = frame.axes;
+    std::string labelled, fine, out;
+    for (size_t const i : figure.strong_x) {
+        double const left = std::max(box.left, x(double(i) - 0.5)), right = std::min(box.right, x(double(i) + 0.5));
+        if (left < right)
+            out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#f3ead0\"/>\n", fixed(left),
+                               fixed(box.top), fixed(right - left), fixed(box.bottom - box.top));
+    }
+    if (!figure.cells) {
+        for (Tick const& tick : frame.bottom.ticks)
+            if (double const at = x(tick.value);
+                figure.x_names.empty() && at > box.left - 0.05 && at < box.right + 0.05)
+                (tick.text.empty() ? fine : labelled) +=
+                    fmt::format("M{} {}V{}", fixed(at), fixed(box.top), fixed(box.bottom));
+        for (Tick const& tick : frame.left.all)
+            (tick.text.empty() ? fine : labelled) +=
+                fmt::format("M{} {}H{}", fixed(box.left), fixed(y(tick.value)), fixed(box.right));
+    }
+    if (!fine.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#f0f0f0\"/>\n", fine);
+    if (!labelled.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#dedede\"/>\n", labelled);
+    if (!figure.cells && y.shows(0) && y(0) > box.top && y(0) < box.bottom)
+        out +=
+            fmt::format("<path d=\"M{} {}H{}\" stroke=\"#b5b5b5\"/>\n", fixed(box.left), fixed(y(0)), fixed(box.right));
+    return out;
+}
+
+namespace {
+std::string power_note(int power) {
+    return power == 0 ? ""
+                      : fmt::format("×10<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>",
+                                    tick_text(fmt::format("{}", power)));
+}
+}  // namespace
+
+std::string labels_group(Frame const& frame, double height) {
+    auto const& [x, y, box] = frame.axes;
+    std::string out =
+        fmt::format("<path d=\"M{0} {1}H{2}V{3}H{0}Z\" fill=\"none\" stroke=\"#888\"/>\n<g font-size=\"{4}\">",
+                    fixed(box.left), fixed(box.top), fixed(box.right), fixed(box.bottom), tick_size);
+    for (Tick tick : frame.bottom.ticks) {
+        double const at = x(tick.value);
+        if (tick.text.empty() || at < box.left - 0.05 || at > box.right + 0.05) continue;
+        char const* const weight = tick.strong ? " font-weight=\"700\"" : "";
+        if (frame.bottom.slanted) {
+            tick.text = shortened(tick.text, tick_size, (at + 4) / 0.82);  // cos 35 degrees
+            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\"{}>{}</text>",
+                               fixed(at + 4), fixed(box.bottom + 14), weight, tspans(tick));
+        } else
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\"{}>{}</text>", fixed(at),
+                               fixed(box.bottom + 16), weight, tspans(tick));
+    }
+    for (Tick const& tick : frame.left.all)
+        if (!tick.text.empty())
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.left - 7),
+                               fixed(y(tick.value) + 4.2), tspans(tick));
+    if (frame.bottom.left_out)
+        out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.right),
+                           fixed(box.bottom + 32), power_note(frame.bottom.left_out));
+    if (frame.left.left_out)
+        out += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>", fixed(box.left), fixed(box.top - 5),
+                           power_note(frame.left.left_out));
+    out += "</g>\n";
+    for (size_t i = 0; i < frame.x_lines.size(); ++i)
+        out += text_at((box.left + box.right) / 2, height - 5 - line_height * double(frame.x_lines.size() - 1 - i),
+                       frame.x_lines[i], fmt::format("font-size=\"{}\" text-anchor=\"middle\"", label_size));
+    for (size_t i = 0; i < frame.y_lines.size(); ++i)
+        out += fmt::format(
+            "<text transform=\"translate({} {}) rotate(-90)\" font-size=\"{}\" text-anchor=\"middle\">{}</text>\n",
+            fixed(13 + line_height * double(i)), fixed((box.top + box.bottom) / 2), label_size,
+            escaped_xml(frame.y_lines[i]));
+    return out;
+}
+
+}  // namespace rlslab::report::plot

@@ -1,0 +1,182 @@
+// Panels for pages, and whole figures as documents: title, panels in a grid, legend.
+#include "src/lab/report/svg.hpp"
+
+#include "src/lab/report/plot.hpp"
+
+#include <rlslab/core/input_error.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rlslab::report {
+namespace {
+
+using namespace plot;
+
+constexpr char const* ink = "#1a1a1a";
+constexpr char const* font = "font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\"";
+
+/// Everything of a panel in width x height units.
+std::string panel_body(Figure const& figure, Panel const& panel, double width, double height) {
+    std::vector<Curve const*> const legend = legend_of(figure);
+    Cells const cells = figure.cells ? cells_of(figure, panel) : Cells{};
+    Frame const frame = frame_of(figure, panel, cells, width, height);
+    Axes const& axes = frame.axes;
+    std::string out = grid_group(figure, frame);
+    if (figure.cells) out += cells_group(figure, panel, cells, axes.x, axes.box, shades_of(figure));
+    else {
+        for (Curve const& guide : panel.guides)
+            out += curve_group(figure, panel, guide, series_number(legend, guide.name), true, axes);
+        for (bool const strong : {false, true})  // over the others
+            for (Curve const& curve : panel.curves)
+                if (curve.strong == strong)
+                    out += curve_group(figure, panel, curve, series_number(legend, curve.name), false, axes);
+        for (Event const& event : panel.events) {
+            size_t const series = series_number(legend, event.series);
+            out += event_group(event, panel, series < legend.size() ? legend[series]->look : Look{"#555555"}, series,
+                               axes);
+        }
+        if (figure.names) out += names_group(panel, legend, axes);
+    }
+    out += labels_group(frame, height);
+    bool any = false;
+    for (Curve const& curve : panel.curves)
+        for (double const v : curve.y) any |= v < panel.y_least || Axis::shows(v, logarithmic_y(figure, panel));
+    if (!any)
+        out += text_at((axes.box.left + axes.box.right) / 2, (axes.box.top + axes.box.bottom) / 2, "no number to draw",
+                       "text-anchor=\"middle\" font-size=\"13\" fill=\"#5c5c5c\"");
+    return out;
+}
+
+/// The description for screen readers.
+std::string description(Figure const& figure, Panel const& panel) {
+    std::string out =
+        fmt::format("{} against {}", figure.cells ? figure.y + " by " + figure.series : figure.y, figure.x);
+    bool const log_y = logarithmic_y(figure, panel);
+    if (figure.log_x || log_y)
+        out += fmt::format(" ({} logarithmic)", figure.log_x && log_y ? "both" : figure.log_x ? "x" : "y");
+    out += ":";
+    for (Curve const& curve : panel.curves) {
+        Range y;
+        for (double const v : curve.y)
+            if (Axis::shows(v, log_y)) y.add(v);
+        if (!y.empty()) out += fmt::format(" {} {} to {};", curve.name, number_text(y.low), number_text(y.high));
+    }
+    for (Event const& event : panel.events) out += ' ' + event.text + ';';
+    out.back() = '.';
+    return out;
+}
+
+}  // namespace
+
+std::string escaped_xml(std::string_view text) {
+    std::string out;
+    for (; !text.empty(); text.remove_prefix(1)) {
+        char const c = text.front();
+        if (c == '&') out += "&amp;";
+        else if (c == '<') out += "&lt;";
+        else if (c == '>') out += "&gt;";
+        else if (c == '"') out += "&quot;";
+        else if (c == '\'') out += "&#39;";
+        else if (static_cast<unsigned char>(c) < 0x20) out += c == '\n' || c == '\t' ? ' ' : '?';
+        else if (static_cast<unsigned char>(c) < 0x80) out += c;
+        else if (size_t const length = printable_character(text); length > 0) {
+            out += text.substr(0, length);
+            text.remove_prefix(length - 1);
+        } else {  // not UTF-8, as pages are
+            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        }
+    }
+    return out;
+}
+
+std::vector<Curve const*> legend_of(Figure const& figure) {
+    std::vector<Curve const*> out;
+    for (bool const guides : {false, true})
+        for (Panel const& panel : figure.panels)
+            for (Curve const& curve : guides ? panel.guides : panel.curves)
+                if (std::ranges::none_of(out, [&](Curve const* c) { return c->name == curve.name; }))
+                    out.push_back(&curve);
+    return out;
+}
+
+std::string key_svg(Curve const& curve) {
+    std::string out = "<svg class=\"key\" viewBox=\"0 0 34 12\" width=\"34\" height=\"12\" aria-hidden=\"true\">";
+    if (curve.line) out += fmt::format("<path d=\"M1 6H33\" {}/>", line_style(curve.look, 1.8));
+    if (curve.marks && !curve.look.mark.empty())
+        out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve.look.mark, 17, 6), mark_style(curve.look));
+    return out + "</svg>";
+}
+
+std::string panel_svg(Figure const& figure, size_t panel, double width, double height) {
+    Panel const& drawn = figure.panels.at(panel);
+    return fmt::format(
+        "<svg viewBox=\"0 0 {} {}\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" {} "
+        "fill=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
+        fixed(width), fixed(height), font, ink,
+        escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
+        escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height));
+}
+
+std::string svg(Figure const& figure) {
+    size_t const panels = figure.panels.size(), columns = panels <= 1 ? 1 : figure.cells && panels > 4 ? 3 : 2;
+    // A map of words stands by itself in a page's column, and has its letters to read.
+    bool const words =
+        figure.cells && panels == 1 && !figure.panels[0].curves.empty() && !figure.panels[0].curves[0].says.empty();
+    double const width = words ? 460 : 960, title = words ? 14 : 16;
+    constexpr double gap = 16;
+    double const cell = (width - gap * double(columns - 1)) / double(columns);
+    double const panel_height = words ? 330 : columns == 1 ? (figure.square ? 620 : 470) : columns == 2 ? 340 : 280;
+    std::string out;
+    double y = 24;
+    for (std::string const& line : wrapped(figure.title, title, width - (words ? 60 : 20), 4)) {
+        out += text_at(width / 2, y, line,
+                       fmt::format("font-size=\"{}\" font-weight=\"600\" text-anchor=\"middle\"", title));
+        y += 20;
+    }
+    for (size_t i = 0; i < panels; ++i) {
+        Panel const& panel = figure.panels[i];
+        double const x = double(i % columns) * (cell + gap);
+        if (!panel.name.empty())
+            out += text_at(x + cell / 2, y + 8, shortened(panel.name, 13, cell),
+                           "font-size=\"13\" font-weight=\"600\" text-anchor=\"middle\"");
+        out += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", fixed(x), fixed(y + 8),
+                           panel_body(figure, panel, cell, panel_height));
+        if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22;
+    }
+    if (figure.cells) {
+        Range const shades = shades_of(figure);
+        std::string bar;
+        for (int i = 0; i < 40; ++i)
+            bar += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"4.2\" height=\"12\" fill=\"{}\"/>", fixed(120 + 4 * i),
+                               fixed(y), shade((i + 0.5) / 40));
+        out += text_at(112, y + 11, number_text(shades.low), "font-size=\"12\" text-anchor=\"end\"") + bar +
+               text_at(288, y + 11, shortened(number_text(shades.high) + "  " + figure.y, 12, width - 300),
+                       "font-size=\"12\"");
+        y += 24;
+    } else if (auto const legend = legend_of(figure);
+               legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
+        double x = 20;
+        for (Curve const* curve : legend) {
+            std::string const name = shortened(curve->name, tick_size, width - 80);
+            double const room = 44 + tick_size * text_width(name) + 14;
+            if (x > 20 && x + room > width) x = 20, y += 20;
+            if (curve->line)
+                out += fmt::format("<path d=\"M{} {}h32\" {}/>", fixed(x), fixed(y + 6), line_style(curve->look, 1.8));
+            if (curve->marks && !curve->look.mark.empty())
+                out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve->look.mark, x + 16, y + 6),
+                                   mark_style(curve->look));
+            out += text_at(x + 39, y + 10.3, name, fmt::format("font-size=\"{}\"", tick_size));
+            x += room;
+        }
+        y += 24;
+    }
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" "
+        "{2} fill=\"{3}\">\n"
+        "<title>{4}</title>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n{5}</svg>\n",
+        fixed(width), fixed(y), font, ink, escaped_xml(figure.title), out);
+}
+
+}  // namespace rlslab::report
