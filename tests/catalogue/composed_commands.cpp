@@ -17,7 +17,7 @@ using nlohmann::json;
 class ComposedCommand : public Program {
 protected:
     std::string const sales =
-        "compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --detrend --no-timings ";
+        "compare '" + root + "/studies/data/sales.csv' --input lead --output sales --order 2 --detrend --no-timings ";
     json compared(std::string const& options) const {
         Outcome const run = shell("rlslab " + sales + options + " --json");
         EXPECT_LE(run.code, 1) << options << run.err;

@@ -57,7 +57,7 @@ protected:
     }
 };
 
-std::string const sales = "'" + root + "/data/sales.csv' --input lead --output sales --order 2";
+std::string const sales = "'" + root + "/studies/data/sales.csv' --input lead --output sales --order 2";
 
 TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     EXPECT_EQ(arithmetics(compared(sales)), (std::set<std::string>{"float", "double"}));
@@ -81,7 +81,8 @@ TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
 }
 
 TEST_F(CompareCommand, ExitsWithOneWhereNoVariantIsRecommended) {
-    std::string const record = "'" + root + "/data/sales.csv' --input lead --output sales --order 2 --no-timings";
+    std::string const record =
+        "'" + root + "/studies/data/sales.csv' --input lead --output sales --order 2 --no-timings";
     EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph --arithmetic float").code, 1);
     EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph,ud --arithmetic float").code, 0);
     Outcome const none = shell("rlslab compare " + record + " --arithmetic bfloat16,binary16");
@@ -90,7 +91,7 @@ TEST_F(CompareCommand, ExitsWithOneWhereNoVariantIsRecommended) {
     EXPECT_THAT(none.out, Not(HasSubstr("filter(")));
 }
 TEST_F(CompareCommand, ArithmeticsWithoutARecommendationShareALine) {
-    std::string const out = text("'" + root + "/data/sales.csv' --input lead --output sales --order 4 --all");
+    std::string const out = text("'" + root + "/studies/data/sales.csv' --input lead --output sales --order 4 --all");
     EXPECT_THAT(out, HasSubstr("in bfloat16, bfloat16-stochastic"));
     size_t lines = 0;
     for (size_t at = out.find("use none"); at != out.npos; at = out.find("use none", at + 1)) ++lines;
@@ -211,7 +212,7 @@ TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley =
         "'" + root +
-        "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
+        "/studies/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
     json const out = compared(longley);
     // https://www.itl.nist.gov/div898/strd/lls/data/Longley.shtml
     constexpr double certified[] = {-3482258.63459582, 15.0618722713733,  -0.358191792925910e-01,

@@ -201,7 +201,7 @@ TEST(Digits, TryEveryArithmeticTheShortestFirst) {
 
 TEST_F(Program, AnswersDigitsInTextAndJsonWithCodeThatSaysSo) {
     std::string const words = " --input lead --output sales --order 2 --detrend ";
-    fs::copy_file(root + "/data/sales.csv", folder / "sales.csv");
+    fs::copy_file(root + "/studies/data/sales.csv", folder / "sales.csv");
     Outcome const text = shell("rlslab compare sales.csv" + words + "--digits 2"),
                   json = shell("rlslab compare sales.csv" + words + "--digits 2 --json");
     EXPECT_EQ(text.code, 0) << text.err;

@@ -8,8 +8,8 @@ given=$(mktemp -d)
 trap 'rm -rf -- "$given"' EXIT
 cp "$debs"/*.deb "$given"
 cp -r "$tree/tests/consumer" "$given/consumer"
-cp -r "$tree/examples" "$given/examples"
-cp "$tree/data/sales.csv" "$given"
+cp -r "$tree/docs/examples" "$given/examples"
+cp "$tree/studies/data/sales.csv" "$given"
 cat >"$given/try.sh" <<'END'
 set -eux
 cd /given
@@ -22,9 +22,9 @@ for compiler in g++ clang++; do
     $compiler -O2 $instructions consumer/native.cpp $(pkg-config --cflags --libs rlslab-native) -o app
     ./app
   done
-  for example in docs/examples/*/CMakeLists.txt; do
+  for example in examples/*/CMakeLists.txt; do
     example=${example%/*}
-    [ $example != docs/examples/own_study ] || continue # below, with what the core needs
+    [ $example != examples/own_study ] || continue # below, with what the core needs
     cmake -G Ninja -S $example -B built -DCMAKE_CXX_COMPILER=$compiler -DCMAKE_BUILD_TYPE=Release
     cmake --build built
     (cd built && ctest --output-on-failure --no-tests=error)
@@ -34,7 +34,7 @@ done
 apt-get install -y --no-install-recommends ./rlslab_*.deb
 rlslab --version
 rlslab compare sales.csv --input lead --output sales --order 2 --detrend --no-timings | head -n 3
-cc docs/examples/c/main.c $(pkg-config --cflags --libs rlslab-c) -o from_c
+cc examples/c/main.c $(pkg-config --cflags --libs rlslab-c) -o from_c
 ./from_c
 apt-get install -y ./librlslab-dev_*.deb libboost-dev libflint-arb-dev libflint-dev libmpfr-dev libgmp-dev libfmt-dev \
   libtbb-dev
@@ -46,7 +46,7 @@ built/with_headers
 built/with_core
 built/with_native
 built/with_catalogue
-cmake -G Ninja -S docs/examples/own_study -B own
+cmake -G Ninja -S examples/own_study -B own
 cmake --build own
 (cd own && ctest --output-on-failure --no-tests=error)
 if ls ./python3-rlslab_*.deb; then

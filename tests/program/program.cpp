@@ -117,8 +117,8 @@ TEST_F(Program, AListDoesNotSwallowTheFileBehindIt) {
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3) << run.out;
 }
 TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
-    Outcome const run =
-        shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json --all");
+    Outcome const run = shell("rlslab compare '" + root +
+                              "/studies/data/sales.csv' --input lead --output sales --order 2 --json --all");
     ASSERT_EQ(run.code, 0) << run.err;
     json const out = json::parse(run.out);
     EXPECT_EQ(out["data"]["rows"], 148);

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-std::string const data = std::string(RLSLAB_SOURCE_DIR) + "/data/sales.csv";
+std::string const data = std::string(RLSLAB_SOURCE_DIR) + "/studies/data/sales.csv";
 /// sha256sum studies/data/sales.csv
 constexpr char const* digest = "a7c0bca5c98e0bd8118af18dc1d6a110b1d7f2d0877c985a669b5e59f7f1ab57";
 
