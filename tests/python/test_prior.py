@@ -72,15 +72,23 @@ def test_the_pages_first_filter_is_as_good_as_numpy_at_every_scale():
     assert max(losses(answer)) <= 1
 
 
-def test_the_first_filter_of_the_page_for_c_is_as_good_as_numpy_at_every_scale():
-    """Python's filters have the bits of C's (test_bits.py); doors.sh runs the page's program."""
-    page = (Path(__file__).resolve().parents[2] / "docs" / "c.md").read_text()
-    first = page[page.index("```c") : page.index("```text")]
-    variant, dtype = re.search(r'rlslab_new\("(\w+)", "(\w+)"', first).groups()
-    assert "options.prior_variance = 0;" in first and "forgetting" not in first and dtype == "double"
+def first_filter(page):
+    """The name of the variant that the first example of a page makes without a prior, in double and lambda = 1."""
+    text = (Path(__file__).resolve().parents[2] / "docs" / page).read_text()
+    if page == "library.md":
+        block = next(b for b in re.findall(r"```cpp\n(.*?)```", text, re.S) if "filter" in b)
+        made = r"rlslab::(\w+)<double> filter\(\{.size = 2, .prior = std::nullopt\}\);"
+        return re.match(made, block)[1].lower()
+    block = text[text.index("```c") : text.index("```text")]
+    assert "options.prior_variance = 0;" in block and "forgetting" not in block
+    return re.search(r'rlslab_new\("(\w+)", "double"', block)[1]
 
+
+@pytest.mark.parametrize("page", ["library.md", "c.md"])
+def test_the_first_filter_of_a_page_is_as_good_as_numpy_at_every_scale(page):
+    """Python's filters have the bits of C++ and C (test_bits.py); doors.sh runs the program of the page for C."""
     def answer(rows, y):
-        f = rlslab.filter(variant, rows.shape[1], prior_variance=None)
+        f = rlslab.filter(first_filter(page), rows.shape[1], prior_variance=None)
         f.update_many(rows, y)
         return f.theta
 
