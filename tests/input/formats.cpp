@@ -1,6 +1,7 @@
 // Compressed data are read as the data they contain, and MATLAB's variables as columns. A file that cannot be read is
 // refused in one line.
 #include "tests/common/files.hpp"
+#include "tests/common/kept.hpp"
 
 #include <rlslab/input/formats/gzip.hpp>
 #include <rlslab/input/formats/open.hpp>
@@ -211,8 +212,7 @@ TEST(Matlab, CutShortItIsRefused) {
     EXPECT_THAT(refusal(Mat5().add("u", 1 << 20, 1, {1}).bytes, {"u"}), Names("data u 8 1048576 1"));
 }
 TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
-    std::ifstream stream(std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/formats/mat5_packed", std::ios::binary);
-    std::string const whole{std::istreambuf_iterator<char>(stream), {}};
+    std::string const whole = files::kept(RLSLAB_SOURCE_DIR "/tests/fuzz/corpus/formats.txt").at("mat5_packed");
     auto const good = read(whole, {"u", "y"}).values;
     for (std::size_t length = 129; length < whole.size();
          ++length) {  // between variables nothing shows what is missing behind

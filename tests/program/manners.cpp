@@ -1,5 +1,6 @@
 // The behaviour of the program towards its user: misspelt words, closed pipes, interrupts, help.
 #include "src/lab/report/stages.hpp"
+#include "tests/common/kept.hpp"
 #include "tests/common/program.hpp"
 #include "tests/common/terminal.hpp"
 
@@ -257,11 +258,11 @@ TEST_F(Program, AMissingValueIsNamedByItsLine) {
     refused("excitation gap.csv --input u", "gap.csv:3 u");
 }
 TEST_F(Program, SaysWhatIsInAState) {
-    fs::path const states = fs::path(RLSLAB_SOURCE_DIR) / "tests/data/state";
-    Outcome const run = shell("rlslab state " + (states / "2/ud-double.state").string());
+    std::string const whole = rlslab::files::kept(RLSLAB_SOURCE_DIR "/tests/data/states.txt").at("ud-double");
+    write("whole.state", whole);
+    Outcome const run = shell("rlslab state whole.state");
     EXPECT_EQ(run.code, 0);
     EXPECT_EQ(run.out, "a state of ud in double with 4 parameters: format 2, 376 bytes\nud, edition 1\n");
-    std::string const whole = read(states / "2/ud-double.state");
     write("short.state", whole.substr(0, 200));
     refused("state short.state", "short.state 200");
     write("data.csv", "u,y\n1,2\n");
