@@ -55,19 +55,20 @@ public:
     explicit Rounded(double x) : value_(Rule::of(x)) {}
     explicit operator double() const { return value_; }
 
-    friend Rounded operator+(Rounded a, Rounded b) {
+    // by reference: g++ 12 ends with an internal error where a rounding may throw and these are values (pass sra)
+    friend Rounded operator+(Rounded const& a, Rounded const& b) {
         double const x = a.value_, y = b.value_, sum = x + y;
         return rounded(sum, [=] {  // Knuth's TwoSum: exact
             double const of_y = sum - x, of_x = sum - of_y;
             return (x - of_x) + (y - of_y);
         });
     }
-    friend Rounded operator-(Rounded a, Rounded b) { return a + -b; }
-    friend Rounded operator*(Rounded a, Rounded b) {
+    friend Rounded operator-(Rounded const& a, Rounded const& b) { return a + -b; }
+    friend Rounded operator*(Rounded const& a, Rounded const& b) {
         double const x = a.value_, y = b.value_, product = x * y;
         return rounded(product, [=] { return std::fma(x, y, -product); });
     }
-    friend Rounded operator/(Rounded a, Rounded b) {
+    friend Rounded operator/(Rounded const& a, Rounded const& b) {
         double const x = a.value_, y = b.value_, quotient = x / y;
         return rounded(quotient, [=] {  // the remainder is exact; it is 0 for 0 / y and x / infinity
             return quotient == 0 ? 0.0 : std::fma(-quotient, y, x) / y;
