@@ -8,6 +8,7 @@ import pytest
 from data import rows
 
 pytest.importorskip("sklearn")
+pd = pytest.importorskip("pandas")
 from sklearn.utils.estimator_checks import check_estimator    # noqa: E402
 
 import rlslab    # noqa: E402
@@ -270,3 +271,48 @@ def test_its_own_parameters_are_checked_when_it_is_fitted():
         model = RLSRegressor(**bad)
         with pytest.raises(ValueError):
             model.fit(X, y)
+
+
+@pytest.mark.parametrize("dtype", [np.float16, np.float32, ">f4"])
+def test_a_short_y_is_as_good_as_its_numbers(dtype):
+    """What is taken off y so that an offset costs no digits is taken off in float64."""
+    P = np.random.default_rng(0).normal(size=(200, 2))
+    y = (P @ [3, -2]).astype(dtype)
+    y[0] = -60000    # no longer in the window
+    for one in (y, pd.Series(y) if np.dtype(dtype).isnative else y):
+        model, same = RLSRegressor(window=50).fit(P, one), RLSRegressor(window=50).fit(P, y.astype(np.float64))
+        assert np.array_equal(model.coef_, same.coef_) and np.allclose(model.coef_, [3, -2], atol=2e-3)
+    wide = np.linspace(-40, 40, 81).reshape(-1, 1)
+    assert np.allclose(RLSRegressor().fit(wide, (1000 * wide[:, 0]).astype(np.float16)).coef_, 1000, rtol=1e-3)
+
+
+@pytest.mark.parametrize("variant", ["qr", "gentleman", "information"])
+def test_a_window_of_as_many_rows_as_parameters_is_an_answer(variant):
+    P = np.random.default_rng(0).normal(size=(40, 2))
+    v = P @ [3, -2] + 7
+    for n in (3, 4, 40):
+        model = RLSRegressor(variant, window=3).fit(P[:n], v[:n])
+        assert np.allclose([*model.coef_, model.intercept_], [3, -2, 7])
+    with pytest.raises(ValueError, match="do not determine 3 parameters"):
+        RLSRegressor(variant, window=2).fit(P, v)
+
+
+@pytest.mark.parametrize(
+    "X, y, named",
+    [
+        (pd.DataFrame({"t": pd.to_timedelta([1, 2, 3], "s")}), [1, 2, 3], "X: column 't' holds timedelta64"),
+        (pd.DataFrame({"c": pd.Categorical(["1", "2", "3"])}), [1, 2, 3], "X: column 'c' holds category"),
+        (pd.DataFrame({"d": pd.date_range("2026", periods=3)}), [1, 2, 3], "X: column 'd' holds datetime64"),
+        ([[1.0], [2.0], [3.0]], ["a", "b", "c"], "y holds <U1"),
+        ([[1.0], [2.0], [3.0]], np.array([1, 2, 3], "m8[s]"), "y holds timedelta64"),
+    ],
+    ids=lambda x: x if isinstance(x, str) else "",
+)
+def test_what_holds_no_numbers_is_named(X, y, named):
+    with pytest.raises((TypeError, ValueError), match=named):
+        RLSRegressor().fit(X, y)
+
+
+def test_an_option_of_the_guard_is_a_number():
+    with pytest.raises(ValueError, match="guard_options"):
+        rlslab.Ud(2, guard="reset", guard_options={"innovation": np.nan})

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin  # type: ignore[import]
 from sklearn.utils.validation import check_is_fitted  # type: ignore[import]
 
-from . import HEALTHS, SIGNALS, _options, _rows, filter
+from . import HEALTHS, SIGNALS, Filter, _options, _rows, filter
 
 Self = TypeVar("Self", bound="RLSRegressor")
 
@@ -27,8 +27,13 @@ def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> 
         rows = part if isinstance(part, (list, tuple)) else ()
         if any(isinstance(one, np.ma.MaskedArray) and np.any(one.mask) for one in (part, *rows)):
             raise _rows.is_masked(name)
+        of_pandas = hasattr(part, "dtypes") and hasattr(part, "to_numpy")
+        if of_pandas or (isinstance(part, np.ndarray) and part.dtype.kind in "mMUSV"):
+            _rows.numbers(part, name)    # names the column that has none
     try:
         valid = validate(estimator, *given, **how)
+        if len(given) > 1:    # in float64: what is taken off y is not to round it
+            valid = valid[0], _rows.numbers(valid[1], "y").astype(np.float64)
         if len(given) > 1 and valid[1].dtype.kind == "f" and not np.isfinite(valid[1]).all():    # of a None
             raise ValueError("Input y contains NaN.")
         return valid
@@ -152,7 +157,11 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             sizes += f", prior_variance {self.prior_variance:.1e}"
         held = f"squares {self.filter_.dtype} does not hold ({sizes})"
         memory = ", keep more rows in memory" if self.forgetting < 1 or self.window or self.control else ""
-        after = self.filter_.copy().pass_time().health    # the last step tells of the rows before it
+        now = self.filter_.copy()
+        if whole and self.window and self.guard is None:    # time would drop one of its rows: the same rows, all kept
+            now = self._made(window=0)
+            now.update_many(self._rows(X[-self.window :]), y[-self.window :] - self._first[-1])
+        after = now.pass_time().health    # the last step tells of the rows before it
         if whole and after == "undetermined":
             among = ", the constant among them" if self.fit_intercept else ""
             raise ValueError(
@@ -202,15 +211,18 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         rows = np.asarray(X, dtype=np.float64)
         return np.column_stack([rows - self._first[:-1], np.ones(len(rows))]) if self.fit_intercept else rows
 
+    def _made(self, window: int) -> Filter:
+        return filter(
+            self.variant, self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
+            prior_variance=self.prior_variance, dtype=self.dtype, window=window, guard=self.guard,
+            guard_options=self.guard_options, control=self.control,
+        )  # fmt: skip
+
     def _start(self) -> None:
         if self.prior_variance == np.inf:
             raise ValueError("expected a finite prior_variance, or None: no prior")
         try:
-            self.filter_ = filter(
-                self.variant, self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
-                prior_variance=self.prior_variance, dtype=self.dtype, window=self.window, guard=self.guard,
-                guard_options=self.guard_options, control=self.control,
-            )  # fmt: skip
+            self.filter_ = self._made(self.window)
         except ValueError as error:
             wanted = "; prior_variance gives one, qr needs none" if str(error).startswith("expected a prior:") else ""
             raise ValueError(f"{error}{wanted}") from None
