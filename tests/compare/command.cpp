@@ -136,10 +136,7 @@ TEST_F(CompareCommand, FitsATerminal) {
         }
 }
 TEST_F(CompareCommand, OfFiveParametersHasFiftyLinesAndTheAnswerFirst) {
-    auto const lines = shown_on_a_terminal(
-        "cd '" + root + "'; '" + program +
-            "' compare studies/data/sales.csv --input lead --output sales --order 2 --detrend --quiet",
-        80);
+    auto const lines = shown_on_a_terminal("'" + program + "' compare --example sales --quiet", 80);
     EXPECT_LE(lines.size(), 50u);
     EXPECT_THAT(lines.front(), testing::StartsWith("in float   use "));
     auto const has = [&](std::string const& variant) {

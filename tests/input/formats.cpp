@@ -247,8 +247,10 @@ TEST(Matlab, IsReadThroughGzipAndAPipe) {
     EXPECT_EQ(read(packed(file), {"u"})["u"], (Numbers{1.5, -3}));
 }
 TEST(Matlab, BothVersionsPackedAndPlain) {
+    auto const all = files::kept(RLSLAB_SOURCE_DIR "/tests/fuzz/corpus/formats.txt");
     for (char const* name : {"mat5", "mat5_packed", "mat73", "mat73_packed"}) {
-        std::string const path = std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/formats/" + name;
+        Folder const folder;
+        std::string const path = folder.file(all.at(name), name);
         Columns data;
         std::string const told = message_of([&] { data = read_data(path, {"u", "y", "x_2", "s"}); });
         if (told.find("matio") != told.npos) continue;  // without it, or it without HDF5

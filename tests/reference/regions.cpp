@@ -185,6 +185,58 @@ TEST(Regions, RoundingsOfDeltaFormsAverageOverDistinctRows) {
         }
 }
 
+// --- a wrong cell, and one column that stands still ------------------------------------------------------------------
+
+/// What `gentleman` keeps more than `ud_delta` in float, in digits of theta's worst component or of P: the median of 11.
+double gentleman_ahead(auto const& made, float lambda, bool of_covariance) {
+    std::vector<double> ahead;
+    for (std::uint64_t s = 1; s <= 11; ++s) {
+        Records const rows = made(Seed{s});
+        Problem<double> const problem{
+            .size = rows.parameters(), .forgetting = double(lambda), .prior = Prior<double>{.variance = 0x1p14}};
+        CertifiedSolution const exact = certified(problem, rows, {rows.rows()}, 12).front();
+        auto const digits = [&]<class F>(std::type_identity<F>) {
+            F const filter = filtered<F>(problem, rows);
+            return of_covariance ? exact.covariance_digits(wide_stored(filter))
+                                 : exact.theta_digits_worst(wide(filter.theta()));
+        };
+        ahead.push_back(digits(std::type_identity<Gentleman<float>>{}) - digits(std::type_identity<UdDelta<float>>{}));
+    }
+    return median(ahead);
+}
+/// 400 white rows, y of them; then one cell is `value`.
+auto with_a_wrong_cell(double value) {
+    return [value](Seed seed) {
+        Records out{.psi = Eigen::MatrixXd(4, 400), .y = Vector<double>(400), .names = {}};
+        for (Index k = 0; k < 400; ++k) {
+            for (Index i = 0; i < 4; ++i) out.psi(i, k) = double(float(seed.bell()));
+            out.y[k] = double(float(out.psi.col(k).dot(Eigen::Vector4d(1, 2, 3, 4)) + 0.1 * seed.bell()));
+        }
+        out.psi(1, 100) = value;
+        return out;
+    };
+}
+/// 4000 rows of one number; y about 5.
+auto constant(double value) {
+    return [value](Seed seed) {
+        Records out{
+            .psi = Eigen::MatrixXd::Constant(1, 4000, double(float(value))), .y = Vector<double>(4000), .names = {}};
+        for (double& y : out.y) y = double(float(5 + seed.bell()));
+        return out;
+    };
+}
+/// Theta falls by decades in the row of the cell, and a form that corrects it keeps the roundings of before.
+TEST(Regions, AWrongCellStaysWhereThetaIsCorrected) {
+    EXPECT_GT(gentleman_ahead(with_a_wrong_cell(1e4), 1, false), 1.5);
+    EXPECT_GT(gentleman_ahead(with_a_wrong_cell(300), 1, false), 0.8);
+    EXPECT_LT(gentleman_ahead(with_a_wrong_cell(1), 1, false), 0.3) << "a cell that is none";
+}
+TEST(Regions, OfAConstantTheOneFormOrTheOtherDrifts) {
+    EXPECT_GT(gentleman_ahead(constant(1), 1, true), 0.4);
+    EXPECT_LT(gentleman_ahead(constant(0.7), 1, true), -1);
+    EXPECT_LT(gentleman_ahead(constant(1), 0.98F, false), -0.5);
+}
+
 // --- sums of products that are exact ---------------------------------------------------------------------------------
 
 /// Whether P^-1 of `information` is the sum of psi psi' bit for bit, in float, of rows of integers up to 255.
