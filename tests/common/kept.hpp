@@ -8,7 +8,8 @@
 
 namespace rlslab::files {
 
-/// What a list keeps, by name: a line each of a name, a blank, and bytes with \n, \\ and \xHH for what is not printable.
+/// What a list keeps, by name: a line each of a name, a blank, and bytes, with \n, \\ and \xHH for what is not
+/// printable.
 inline std::map<std::string, std::string> kept(std::filesystem::path const& list) {
     std::map<std::string, std::string> out;
     std::ifstream lines(list);

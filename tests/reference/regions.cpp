@@ -187,7 +187,7 @@ TEST(Regions, RoundingsOfDeltaFormsAverageOverDistinctRows) {
 
 // --- a wrong cell, and one column that stands still ------------------------------------------------------------------
 
-/// What `gentleman` keeps more than `ud_delta` in float, in digits of theta's worst component or of P: the median of 11.
+/// What `gentleman` keeps more than `ud_delta` in float, in digits of theta's worst component or of P: median of 11.
 double gentleman_ahead(auto const& made, float lambda, bool of_covariance) {
     std::vector<double> ahead;
     for (std::uint64_t s = 1; s <= 11; ++s) {
