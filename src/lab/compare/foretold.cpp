@@ -26,8 +26,8 @@ void Foretold::look(Index row, Stored<Reference> const& stored) {
 }
 
 std::optional<double> Foretold::row() const {
-    if (!(forgetting_ < 1) || seen_ < 2 || !grows_ || !(share_ > 0 && share_ < 1)) return {};
-    return double(last_) + correctly::log(share_) / correctly::log(forgetting_);
+    if (!(forgetting_ < 1) || seen_ < 2 || !grows_ || !(share_ > 0)) return {};
+    return double(last_) + std::max(0.0, correctly::log(share_) / correctly::log(forgetting_));
 }
 
 double rounded_row(double row) {

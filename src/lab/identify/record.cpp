@@ -54,16 +54,16 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
     Record out{.file = printable(file.path, 200), .y = columns[options.output], .lines = std::move(columns.lines)};
     out.sha256 = columns.sha256;
     for (std::string const& name : options.inputs) out.inputs.push_back(columns[name]);
+    out.samples = Index(out.y.size());
+    out.fitted = out.samples - Index(std::floor(options.validate * double(out.samples)));
     for (std::string const& name : names) {
-        Signal known = columns[name];
+        Signal known(columns[name].begin(), columns[name].begin() + out.fitted);
         std::erase_if(known, [](double v) { return std::isnan(v); });
         // Computed numbers that carry some dozens of roundings: columns of condition 1e14 or so.
         out.resolutions.push_back(known.empty() ? 0 : resolution_of(known, 0x1p-46));
     }
     out.warnings = counting_warnings(columns, options.inputs);
     out.of_times = of_times, out.time = columns.time;
-    out.samples = Index(out.y.size());
-    out.fitted = out.samples - Index(std::floor(options.validate * double(out.samples)));
     return out;
 }
 

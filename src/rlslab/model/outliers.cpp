@@ -11,7 +11,7 @@ std::optional<LargestResidual> outlier_in(Signal residuals, Index lags) {
     double J = 0, count = 0, largest = 0;
     for (double const e : residuals)
         if (largest < std::abs(e)) largest = std::abs(e);
-    if (!(largest > 0)) return {};
+    if (!(largest > 0) || std::isinf(largest)) return {};
     for (double& e : residuals) e = std::ldexp(e, -std::ilogb(largest));  // so that no square is lost
     Index at = 0;
     for (size_t k = 0; k < residuals.size(); ++k) {
