@@ -17,9 +17,8 @@ template <int s, class V, int... l>
 /// W columns of W numbers become their rows: squares of s x s change places with their mirror images, s = 1, 2, 4 ...
 template <int s, int W, class V>
 [[gnu::always_inline]] inline void transpose(V (&a)[W]) {
-#pragma GCC unroll 8
-    for (int c = 0; c < W; ++c)
-        if ((c & s) == 0) exchange<s>(a[c], a[c + s], std::make_integer_sequence<int, W>());
+    UNROLLED_8 for (int c = 0; c < W; ++c) if ((c & s) == 0)
+        exchange<s>(a[c], a[c + s], std::make_integer_sequence<int, W>());
     if constexpr (2 * s < W) transpose<2 * s>(a);
 }
 
@@ -42,11 +41,9 @@ template <bool whole, class B, class S, class T>
     constexpr int W = B::W;
     B w;
     if constexpr (S::writes) w.load(s.w + i0);
-#pragma GCC unroll 8
-    for (int h = 0; h < B::registers; ++h) {
+    UNROLLED_8 for (int h = 0; h < B::registers; ++h) {
         typename B::V part[B::registers][W];
-#pragma GCC unroll 8
-        for (int c = 0; c < W; ++c) {
+        UNROLLED_8 for (int c = 0; c < W; ++c) {
             Index const j = j0 + h * W + c;
             T* const column = block + (h * W + c) * B::rows;
             B t = block_of<B>(column, 0);
@@ -56,16 +53,12 @@ template <bool whole, class B, class S, class T>
             }
             if constexpr (multiplies<S>) {
                 if (whole || j < s.d) along.add_product(t, s.x[j]);
-#pragma GCC unroll 8
-                for (int m = 0; m < B::registers; ++m) part[m][c] = t.v[m];
+                UNROLLED_8 for (int m = 0; m < B::registers; ++m) part[m][c] = t.v[m];
             }
         }
-        if constexpr (multiplies<S>)
-#pragma GCC unroll 8
-            for (int m = 0; m < B::registers; ++m) {
+        if constexpr (multiplies<S>) UNROLLED_8 for (int m = 0; m < B::registers; ++m) {
                 transpose<1>(part[m]);
-#pragma GCC unroll 8
-                for (int r = 0; r < W; ++r) down.v[h] = down.v[h] + part[m][r] * s.x[i0 + m * W + r];
+                UNROLLED_8 for (int r = 0; r < W; ++r) down.v[h] = down.v[h] + part[m][r] * s.x[i0 + m * W + r];
             }
     }
 }
@@ -100,25 +93,22 @@ template <class B, int G, bool whole, class S, class T>
     constexpr int R = B::rows;
     T* block[G];
     B w, along, down[G];
-#pragma GCC unroll 8
-    for (int g = 0; g < G; ++g) {
+    UNROLLED_8 for (int g = 0; g < G; ++g) {
         block[g] = A;
         A += (j0 / R + g + 1) * R * R;
         if constexpr (multiplies<S>) down[g].load(product_of(s) + j0 + g * R);
     }
     for (Index i0 = 0; i0 < j0; i0 += R) {
         if constexpr (multiplies<S>) along.load(product_of(s) + i0);
-#pragma GCC unroll 8
-        for (int g = 0; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, along, down[g]);
+        UNROLLED_8 for (int g = 0; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, along, down[g]);
         if constexpr (multiplies<S>) along.store(product_of(s) + i0);
     }
-#pragma GCC unroll 8
-    for (int p = 0; p < G; ++p) {
+    UNROLLED_8 for (int p = 0; p < G; ++p) {
         Index const i0 = j0 + p * R;
         if constexpr (S::writes) w.load(s.w + i0);
         diagonal_block<0>(s, block[p] + i0 * R, i0, w, down[p]);
-#pragma GCC unroll 8
-        for (int g = p + 1; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, down[p], down[g]);
+        UNROLLED_8 for (int g = p + 1; g < G; ++g)
+            block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, down[p], down[g]);
         if constexpr (multiplies<S>) down[p].store(product_of(s) + i0);
     }
     return A;
