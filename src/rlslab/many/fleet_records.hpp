@@ -59,25 +59,12 @@ void pieces(UnitInformation<T, N> f, To& to) {
     walk(to, f.lengths);
 }
 /// Shows its constants, which no update changes.
-template <class T, int N, class To>
-void constants(PlainCovariance<T, N> f, To& to) {
-    to.number(f.lambda), walk(to, f.by_lambda);
-}
-template <class T, int N, bool upper, class To>
-void constants(RootCovariance<T, N, upper> f, To& to) {
-    to.number(f.lambda), walk(to, f.by_root_lambda);
-}
-template <class T, int N, class To>
-void constants(UdCovariance<T, N> f, To& to) {
-    to.number(f.lambda), walk(to, f.by_lambda);
-}
-template <class T, int N, class To>
-void constants(RootInformation<T, N> f, To& to) {
-    to.number(f.lambda), to.number(f.root_lambda);
-}
-template <class T, int N, class To>
-void constants(UnitInformation<T, N> f, To& to) {
+template <class Form, class To>
+void constants(Form f, To& to) {
     to.number(f.lambda);
+    if constexpr (requires { f.by_lambda; }) walk(to, f.by_lambda);
+    else if constexpr (requires { f.by_root_lambda; }) walk(to, f.by_root_lambda);
+    else if constexpr (requires { f.root_lambda; }) to.number(f.root_lambda);
 }
 /// Whether its form is all of F: not where F is around a filter and hands on that one's form.
 template <class F, class To>
