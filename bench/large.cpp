@@ -15,11 +15,11 @@ void add() {
 
 Rows const added([] {
     add<Conventional<double>>();
-    add<Symmetric<double>>();
     add<Ud<double>>();
     add<UdDelta<double>>();
     add<Carlson<double>>();
     add<InverseQr<double>>();
+    add_large_rows<Symmetric<double>>();
     add_large_rows<CarlsonDelta<double>>();
     add_large_rows<InverseQrDelta<double>>();
     add_large_rows<Potter<double>>();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
-#include <rlslab/linalg/next_row.hpp>
+#include <rlslab/linalg/kernels.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -21,7 +21,6 @@ class Symmetric {
     DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, K_;
     SymmetricStorage<T, N> P_;
-    [[no_unique_address]] NextRow<MirroredPass<T>, N> next_;
 
 public:
     using scalar = T;
@@ -31,7 +30,7 @@ public:
 
     explicit Symmetric(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), K_(problem.size), P_(start_symmetric<T, N>(problem)), next_(problem.size) {}
+          f_(problem.size), K_(problem.size), P_(start_symmetric<T, N>(problem)) {}
 
     /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
@@ -40,7 +39,7 @@ public:
     }
     [[gnu::always_inline]] Innovation<T> look(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
-        multiply(P_, psi.data(), f_, next_);                                                             // (1)
+        multiply(P_, psi.data(), f_);                                                                    // (1)
         return {e, lambda_ + real_part(dot(psi, f_))};                                                   // (2)
     }
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
@@ -48,7 +47,7 @@ public:
         auto const [e, s] = row;
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
-        subtract_rank_one_mirrored(P_, K_, f_, by_lambda_, next_);                                       // (4)
+        subtract_rank_one_mirrored(P_, K_, f_, by_lambda_);                                              // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return step_of(e, lambda_, s, theta_);
     }
@@ -60,7 +59,6 @@ public:
     auto form() requires Field<T> {
         return PlainCovariance<T, N, SymmetricStorage<T, N>>{lambda_, by_lambda_, theta_, K_, f_, P_};
     }
-    friend Step<T> rows_at_once(Symmetric& f, RowsOf<T> psi, OutputsOf<T> y) { return update_rows(f, f.next_, psi, y); }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<Symmetric<double>>);

@@ -80,12 +80,6 @@ void check_kernels(Index d, Kind kind) {
         EXPECT_TRUE(same(S, less)) << "SubtractRankOne";
 
         S = SymmetricMatrix<T>(o.A);
-        evaluate(ThenMultiply<OnBlocks<SubtractRankOne<T>>>{
-            {{d, S.side, S.data(), o.w.data(), o.f.data(), correction}}, o.x.data(), out.data()});
-        EXPECT_TRUE(same(S, less)) << "SubtractRankOne before a product";
-        EXPECT_TRUE(known_rows::same(numbers(out), o.product(less))) << "the product behind it";
-
-        S = SymmetricMatrix<T>(o.A);
         evaluate(OnBlocks<AddSquare<T>>{{d, S.side, S.data(), o.w.data()}});
         EXPECT_TRUE(same(S, more)) << "AddSquare";
     });
@@ -98,7 +92,7 @@ TYPED_TEST(Blocks, TakePartInTheOperationsOfASquare) {
         }
 }
 
-/// theta, P and the step after each row, given one by one, and after all of them, known in advance.
+/// theta, P and the step after each row.
 template <class T, int N>
 void check_recursion(Index d, Index rows = 12) {
     for (Kind kind : kinds) {
@@ -106,12 +100,6 @@ void check_recursion(Index d, Index rows = 12) {
         twins::Rows const given = rows_of<T>(d, rows, kind, Seed{std::uint64_t(d)});
         auto const square = twins::trace(SymmetricOnASquare<T, N>(problem), given);
         twins::expect_one("in blocks", twins::trace(Symmetric<T, N>(problem), given), square);
-        Symmetric<T, N> known(problem);
-        Matrix<T> psi(d, rows);
-        Vector<T> y(rows);
-        for (twins::Row<double> const& row : given) psi.col(row.k) = row.psi.template cast<T>(), y[row.k] = T(row.y);
-        Step<T> const last = rows_at_once(known, RowsOf<T>(psi), OutputsOf<T>(y));
-        twins::expect_one("known in advance", twins::left_by(known, last), square.back());
     }
 }
 TYPED_TEST(Blocks, CarryTheRecursionOfASquare) {
@@ -127,10 +115,6 @@ TYPED_TEST(Blocks, CarryTheRecursionOfASquare) {
         check_recursion<T, 9>(9);
         check_recursion<T, 17>(17);
     });
-}
-/// From some size on the product is computed with the change of P (dispatch.hpp).
-TYPED_TEST(Blocks, CarryItAtTheSizeWhereOnePassIsFaster) {
-    on_each_isa([] { check_recursion<TypeParam, Dynamic>(513, 2); });
 }
 
 TEST(Blocks, TakeHalfTheMemory) {

@@ -52,9 +52,8 @@ void check_monotonic() {
                 << d;
 }
 TEST(Dispatch, OnePassStaysFasterOnAWiderSet) {
-    check_monotonic<SubtractRankOne<double>, SubtractRankOne<float>, OnBlocks<SubtractRankOne<double>>,
-                    OnBlocks<SubtractRankOne<float>>, SweepUd<double>, SweepUd<float>, SweepCarlson<double>,
-                    SweepCarlson<float>, SweepRotations<double>, SweepRotations<float>>();
+    check_monotonic<SubtractRankOne<double>, SubtractRankOne<float>, SweepUd<double>, SweepUd<float>,
+                    SweepCarlson<double>, SweepCarlson<float>, SweepRotations<double>, SweepRotations<float>>();
 }
 
 /// The processor's best, or an earlier one that the environment names.

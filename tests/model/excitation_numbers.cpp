@@ -56,11 +56,6 @@ TEST(ExcitationNumbers, EndAtTheFirstOrderThatIsSingular) {
     EXPECT_THROW(excitation({}, 1), std::invalid_argument);
     EXPECT_THROW(excitation({1, 2}, 0), std::invalid_argument);
 }
-TEST(ExcitationNumbers, DiagonalDominanceIsStrict) {
-    EXPECT_TRUE(diagonally_dominant(Matrix<double>{{2, 1.9}, {-1.9, 2}}));
-    EXPECT_FALSE(diagonally_dominant(Matrix<double>{{2, 2}, {1, 2}}));
-    EXPECT_FALSE(diagonally_dominant(Matrix<double>{{2, -2.1}, {1, 2}}));
-}
 TEST(ExcitationNumbers, AStandstillIsCountedFromTheStart) {
     EXPECT_EQ(excitation({1, 2, 3}, 1).constant_at_start, 0);
     EXPECT_EQ(excitation({1, 1, 3}, 1).constant_at_start, 2);
@@ -279,18 +274,6 @@ TEST(DifferenceNumbers, RootsAreThoseOfTheirPolynomial) {
     ASSERT_EQ(z.size(), 2u);
     EXPECT_NEAR(z[0].real(), 1, 1e-15);
     EXPECT_NEAR(z[1].real(), 0.5, 1e-15);
-}
-TEST(DifferenceNumbers, RandomSystemsAreAsTheySay) {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
-        DifferenceEquation const m = random_stable(1 + int(seed % 5), Seed{seed});
-        EXPECT_EQ(m.a.size(), 1 + seed % 5);
-        EXPECT_EQ(m.b[0].size(), 2 + seed % 5);
-        EXPECT_GE(std::abs(m.b[0][0]), 0.1);
-        for (auto const& p : poles(m))
-            EXPECT_TRUE(0.3 - 1e-6 <= std::abs(p) && std::abs(p) <= 0.95 + 1e-6) << std::abs(p);
-        for (double const b : m.b[0]) EXPECT_TRUE(-1 <= b && b < 1);
-    }
-    EXPECT_THROW(random_stable(0, Seed{1}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Step and frequency responses and their derivatives: closed forms, finite differences, phases without jumps.
+#include "tests/common/random_stable.hpp"
+
 #include <rlslab/model/response.hpp>
 
 #include <gtest/gtest.h>

@@ -19,33 +19,14 @@ namespace rlslab {
 
 /// lambda of the updates to come, as if the filter had been made with it: the same lambda leaves the same bits. 0 <
 /// lambda <= 1, not checked. Cost O(1), one square root where the form has one.
-template <class T, int N, class Storage>
-void set_forgetting(PlainCovariance<T, N, Storage> f, T const& lambda) {
+template <class Form>
+    requires requires(Form f) { f.lambda; }
+void set_forgetting(Form f, typename Form::scalar const& lambda) {
     f.lambda = lambda;
-    f.by_lambda = DivisorNearOne<T>(lambda);
-}
-template <class T, int N, bool upper>
-void set_forgetting(RootCovariance<T, N, upper> f, T const& lambda) {
-    f.lambda = lambda;
-    f.by_root_lambda = DivisorNearOne<T>(square_root(lambda));
-}
-template <class T, int N>
-void set_forgetting(UdCovariance<T, N> f, T const& lambda) {
-    f.lambda = lambda;
-    f.by_lambda = DivisorNearOne<T>(lambda);
-}
-template <class T, int N>
-void set_forgetting(RootInformation<T, N> f, T const& lambda) {
-    f.lambda = lambda;
-    f.root_lambda = square_root(lambda);
-}
-template <class T, int N>
-void set_forgetting(UnitInformation<T, N> f, T const& lambda) {
-    f.lambda = lambda;
-}
-template <class T, int N>
-void set_forgetting(NormalEquations<T, N> f, T const& lambda) {
-    f.lambda = lambda;
+    if constexpr (requires { f.by_lambda; }) f.by_lambda = DivisorNearOne<typename Form::scalar>(lambda);
+    else if constexpr (requires { f.by_root_lambda; })
+        f.by_root_lambda = DivisorNearOne<typename Form::scalar>(square_root(lambda));
+    else if constexpr (requires { f.root_lambda; }) f.root_lambda = square_root(lambda);
 }
 
 // --- discount --------------------------------------------------------------------------------------------------------

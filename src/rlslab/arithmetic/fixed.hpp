@@ -118,23 +118,6 @@ public:
     friend Fixed abs(Fixed const& a) { return a.word_ < 0 ? -a : a; }
     friend bool isfinite(Fixed const& a) { return !a.marked_; }
 
-    template <detail::TermWith<Fixed> B>
-    Fixed& operator+=(B const& b) {
-        return *this = *this + b;
-    }
-    template <detail::TermWith<Fixed> B>
-    Fixed& operator-=(B const& b) {
-        return *this = *this - b;
-    }
-    template <detail::TermWith<Fixed> B>
-    Fixed& operator*=(B const& b) {
-        return *this = *this * b;
-    }
-    template <detail::TermWith<Fixed> B>
-    Fixed& operator/=(B const& b) {
-        return *this = *this / b;
-    }
-
 private:
     struct FormatConstant {
         static constexpr FixedFormat value = F;
@@ -207,23 +190,6 @@ public:
     friend Word sqrt(FixedSum const& a) { return root(a); }
     friend FixedSum abs(FixedSum const& a) { return a.n_ < 0 ? -a : a; }
     friend bool isfinite(FixedSum const& a) { return !a.marked_; }
-
-    template <detail::TermWith<Word> B>
-    FixedSum& operator+=(B const& b) {
-        return *this = sum(*this, b);
-    }
-    template <detail::TermWith<Word> B>
-    FixedSum& operator-=(B const& b) {
-        return *this = sum(*this, -of(b));
-    }
-    template <detail::TermWith<Word> B>
-    FixedSum& operator*=(B const& b) {
-        return *this = product(*this, b);
-    }
-    template <detail::TermWith<Word> B>
-    FixedSum& operator/=(B const& b) {
-        return *this = quotient(*this, b);
-    }
 };
 
 template <detail::FixedTerm A, detail::TermWith<A> B>
@@ -241,6 +207,22 @@ detail::ResultWith<A> operator*(A const& a, B const& b) {
 template <detail::FixedTerm A, detail::TermWith<A> B>
 Fixed<detail::FormatOf<A>::value> operator/(A const& a, B const& b) {
     return FixedSum<detail::FormatOf<A>::value>::quotient(a, b);
+}
+template <detail::FixedTerm A, detail::TermWith<A> B>
+A& operator+=(A& a, B const& b) {
+    return a = a + b;
+}
+template <detail::FixedTerm A, detail::TermWith<A> B>
+A& operator-=(A& a, B const& b) {
+    return a = a - b;
+}
+template <detail::FixedTerm A, detail::TermWith<A> B>
+A& operator*=(A& a, B const& b) {
+    return a = a * b;
+}
+template <detail::FixedTerm A, detail::TermWith<A> B>
+A& operator/=(A& a, B const& b) {
+    return a = a / b;
 }
 template <detail::FixedTerm A, detail::TermWith<A> B>
 bool operator==(A const& a, B const& b) {
@@ -331,7 +313,7 @@ inline int min_exponent<VariableFixed>() {
 }
 template <>
 inline int min_exponent<VariableFixedRounded>() {
-    return -significand_bits<VariableFixedRounded>();
+    return min_exponent<VariableFixed>();
 }
 
 }  // namespace rlslab

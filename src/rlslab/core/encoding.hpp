@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -96,22 +95,6 @@ struct Encoding<T> {
         x = T(0);
         std::memcpy(&x, bytes.data(), size);
         return true;
-    }
-};
-
-template <class T>
-    requires Encodable<T>
-struct Encoding<std::complex<T>> {
-    static constexpr std::size_t size = 2 * Encoding<T>::size;
-    static void write(std::complex<T> const& x, std::byte* to) {
-        Encoding<T>::write(x.real(), to);
-        Encoding<T>::write(x.imag(), to + Encoding<T>::size);
-    }
-    static bool read(std::byte const* from, std::complex<T>& x) {
-        T re, im;
-        bool const read = Encoding<T>::read(from, re) && Encoding<T>::read(from + Encoding<T>::size, im);
-        x = {re, im};
-        return read;
     }
 };
 

@@ -20,6 +20,9 @@ namespace rlslab::kernels {
 
 inline constexpr Index never = std::numeric_limits<Index>::max();
 
+template <class K, class... Kernels>
+inline constexpr bool is_one_of = (std::same_as<K, Kernels> || ...);
+
 /// A kernel for double uses registers of 64 bytes, where there are such, from d = `from` on. `registers` is then as in
 /// the sweeps: there are twice as many of them as of smaller ones. The kernels for float, and those that the table
 /// leaves out, were not faster with them.
@@ -28,92 +31,49 @@ struct Wide {
     int registers = 8;
 };
 /// The table: what was faster on an AMD EPYC of the Zen 4 kind (docs/speed.md), by 3 to 40 %.
-template <class Kernel>
-inline constexpr Wide wide{};
-template <Shape shape>
-inline constexpr Wide wide<MultiplyTransposed<double, shape>>{.from = 40};
-template <>
-inline constexpr Wide wide<Multiply<double>>{.from = 192, .registers = 8};
-template <>
-inline constexpr Wide wide<SubtractRankOne<double>>{.from = 64, .registers = 16};
-template <>
-inline constexpr Wide wide<SubtractRankTwo<double>>{.from = 64, .registers = 8};
-template <>
-inline constexpr Wide wide<ThenMultiply<SubtractRankOne<double>>>{.from = 16, .registers = 8};
-template <>
-inline constexpr Wide wide<OnBlocks<Multiply<double>>>{.from = 5};
-template <>
-inline constexpr Wide wide<OnBlocks<SubtractRankOne<double>>>{.from = 5};
-template <>
-inline constexpr Wide wide<OnBlocks<AddSquare<double>>>{.from = 5};
-template <>
-inline constexpr Wide wide<ThenMultiply<OnBlocks<SubtractRankOne<double>>>>{.from = 512};
-template <>
-inline constexpr Wide wide<SweepUd<double>>{.from = 64, .registers = 8};
-template <>
-inline constexpr Wide wide<SweepRotations<double>>{.from = 64, .registers = 8};
-template <>
-inline constexpr Wide wide<SweepCarlson<double>>{.from = 256, .registers = 8};
-template <>
-inline constexpr Wide wide<ThenMultiply<SweepUd<double>>>{.from = 96};
-template <>
-inline constexpr Wide wide<ThenMultiply<SweepRotations<double>>>{.from = 128};
-template <>
-inline constexpr Wide wide<ThenMultiply<SweepCarlson<double>>>{.from = 128};
-
-template <>
-inline constexpr Wide wide<RotateInRows<double>>{.from = 8};
-template <>
-inline constexpr Wide wide<ReflectPanel<double>>{.from = 1};
-template <>
-inline constexpr Wide wide<SumOfSquares<double>>{.from = 64};
+template <class K, class T = double>
+inline constexpr Wide wide =
+    is_one_of<K, ReflectPanel<T>>                                                               ? Wide{1}
+    : is_one_of<K, OnBlocks<Multiply<T>>, OnBlocks<SubtractRankOne<T>>, OnBlocks<AddSquare<T>>> ? Wide{5}
+    : is_one_of<K, RotateInRows<T>>                                                             ? Wide{8}
+    : is_one_of<K, ThenMultiply<SubtractRankOne<T>>>                                            ? Wide{16}
+    : is_one_of<K, MultiplyTransposed<T, Shape::full>, MultiplyTransposed<T, Shape::upper>>     ? Wide{40}
+    : is_one_of<K, SubtractRankOne<T>>                                                          ? Wide{64, 16}
+    : is_one_of<K, SubtractRankTwo<T>, SweepUd<T>, SweepRotations<T>, SumOfSquares<T>>          ? Wide{64}
+    : is_one_of<K, ThenMultiply<SweepUd<T>>>                                                    ? Wide{96}
+    : is_one_of<K, ThenMultiply<SweepRotations<T>>, ThenMultiply<SweepCarlson<T>>>              ? Wide{128}
+    : is_one_of<K, Multiply<T>>                                                                 ? Wide{192}
+    : is_one_of<K, SweepCarlson<T>>                                                             ? Wide{256}
+                                                                                                : Wide{};
 
 /// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on.
-template <class Pass>
-inline constexpr Index one_pass_from = never;
-template <class T>
-inline constexpr Index one_pass_from<SubtractRankOne<T>> = 128;
-template <>
-inline constexpr Index one_pass_from<OnBlocks<SubtractRankOne<double>>> = 1024;
-template <>
-inline constexpr Index one_pass_from<SweepUd<double>> = 320;
-template <>
-inline constexpr Index one_pass_from<SweepUd<float>> = 192;
-template <>
-inline constexpr Index one_pass_from<SweepCarlson<double>> = 384;
-template <>
-inline constexpr Index one_pass_from<SweepCarlson<float>> = 640;
-template <>
-inline constexpr Index one_pass_from<SweepRotations<double>> = 512;
-template <>
-inline constexpr Index one_pass_from<SweepRotations<float>> = 640;
+template <class P>
+inline constexpr Index one_pass_from = is_one_of<P, SubtractRankOne<float>, SubtractRankOne<double>> ? 128
+                                       : is_one_of<P, SweepUd<float>>                                ? 192
+                                       : is_one_of<P, SweepUd<double>>                               ? 320
+                                       : is_one_of<P, SweepCarlson<double>>                          ? 384
+                                       : is_one_of<P, SweepRotations<double>>                        ? 512
+                                       : is_one_of<P, SweepCarlson<float>, SweepRotations<float>>    ? 640
+                                                                                                     : never;
 
 /// From this d on a sweep is faster with a few columns side by side (kernels/columns.hpp) than with a few blocks of
 /// rows (kernels/sweep.hpp), on registers of 64 bytes or on smaller ones. Measured as the table above was, the kernels
 /// alone, A in memory or in the caches as it fits.
 struct ByColumns {
-    Index from, from_on_wide;
+    Index from = never, from_on_wide = never;
 };
-template <class Kernel>
-inline constexpr ByColumns by_columns_from{never, never};
-template <class T>
-inline constexpr ByColumns by_columns_from<AddSquare<T>>{1024, 1024};
-template <class T>
-inline constexpr ByColumns by_columns_from<Multiply<T>>{256, 512};
-template <class T>
-inline constexpr ByColumns by_columns_from<SubtractRankOne<T>>{384, 384};
-template <class T>
-inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractRankOne<T>>>{256, 512};
-template <>
-inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractRankOne<float>>>{128, never};
-template <class T>
-inline constexpr ByColumns by_columns_from<SweepUd<T>>{256, 1600};
-template <>
-inline constexpr ByColumns by_columns_from<SweepUd<float>>{640, never};
-template <class T>
-inline constexpr ByColumns by_columns_from<SweepCarlson<T>>{640, 768};
-template <class T>
-inline constexpr ByColumns by_columns_from<SweepRotations<T>>{640, 1600};
+template <class K>
+inline constexpr ByColumns by_columns_from =
+    is_one_of<K, ThenMultiply<SubtractRankOne<float>>>              ? ByColumns{128}
+    : is_one_of<K, Multiply<float>, Multiply<double>>               ? ByColumns{256, 512}
+    : is_one_of<K, ThenMultiply<SubtractRankOne<double>>>           ? ByColumns{256, 512}
+    : is_one_of<K, SweepUd<double>>                                 ? ByColumns{256, 1600}
+    : is_one_of<K, SubtractRankOne<float>, SubtractRankOne<double>> ? ByColumns{384, 384}
+    : is_one_of<K, SweepUd<float>>                                  ? ByColumns{640}
+    : is_one_of<K, SweepCarlson<float>, SweepCarlson<double>>       ? ByColumns{640, 768}
+    : is_one_of<K, SweepRotations<float>, SweepRotations<double>>   ? ByColumns{640, 1600}
+    : is_one_of<K, AddSquare<float>, AddSquare<double>>             ? ByColumns{1024, 1024}
+                                                                    : ByColumns{};
 
 /// RotateInRows is faster than RotateIn for one row after another from this d on.
 inline constexpr Index together_from = 5;

@@ -166,8 +166,8 @@ struct SubtractMirrored {
 template <class S>
 struct OnBlocks : S {};
 /// The pass of S over A and a product with the A that it leaves, that of the next update: A is read once for both. S is
-/// a SubtractRankOne, OnBlocks or not, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and out
-/// is that of MultiplyTransposed. x: d numbers. out differs from S's vectors.
+/// a SubtractRankOne, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and out is that of
+/// MultiplyTransposed. x: d numbers. out differs from S's vectors.
 template <class S>
 struct ThenMultiply : S {
     static constexpr int registers = 4;

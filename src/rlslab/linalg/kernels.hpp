@@ -140,6 +140,19 @@ void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVe
     run_kernel<T, N>(
         kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
+/// A_ij = A_ji' = (A_ij - x_i f_j') / r for i <= j, A symmetric.
+template <Scalar T, int N>
+void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                                DivisorNearOne<RealOf<T>> const& by_r) {
+    run_kernel<T, N>(
+        kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+}
+template <Hardware T, int N>
+void subtract_rank_one_mirrored(SymmetricMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                                DivisorNearOne<T> const& by_r) {
+    run_kernel<T, N>(kernels::OnBlocks<kernels::SubtractRankOne<T>>{
+        {A.size(), A.side, A.data(), x.data(), f.data(), by_r.correction()}});
+}
 /// A += x x'. The same product is added to A_ij and A_ji: a symmetric A stays symmetric.
 template <Field T, int N>
 void add_square(StateMatrix<T, N>& A, StateVector<T, N> const& x) {

@@ -68,15 +68,10 @@ public:
     bool move_product(StateVector<T, N>&) { return false; }
 };
 
-/// The pass of (A_ij - x_i f_j') / r over one triangle of a symmetric A, as A is stored.
-template <class T>
-using MirroredPass =
-    std::conditional_t<Hardware<T>, kernels::OnBlocks<kernels::SubtractRankOne<T>>, kernels::SubtractMirrored<T>>;
-
 /// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of
 /// A.
-template <Scalar T, int N, class Pass, class Storage>
-void multiply(Storage const& A, T const* x, StateVector<T, N>& f, NextRow<Pass, N>& next) {
+template <Scalar T, int N, class Pass>
+void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<Pass, N>& next) {
     if (!next.move_product(f)) multiply(A, x, f);
 }
 /// A = (A - x f') / r, and next's product with it. x and f may be the same.
@@ -84,17 +79,6 @@ template <Scalar T, int N>
 void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
                        DivisorNearOne<RealOf<T>> const& by_r, NextRow<kernels::SubtractRankOne<T>, N>& next) {
     next.run(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
-}
-/// A_ij = A_ji' = (A_ij - x_i f_j') / r for i <= j, A symmetric, and next's product with it.
-template <Scalar T, int N>
-void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
-                                DivisorNearOne<RealOf<T>> const& by_r, NextRow<MirroredPass<T>, N>& next) {
-    next.run(MirroredPass<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
-}
-template <Hardware T, int N>
-void subtract_rank_one_mirrored(SymmetricMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
-                                DivisorNearOne<T> const& by_r, NextRow<MirroredPass<T>, N>& next) {
-    next.run(MirroredPass<T>{{A.size(), A.side, A.data(), x.data(), f.data(), by_r.correction()}});
 }
 
 /// out = S'x, S upper triangular, or the product that `next` has computed already, of x and S as for `multiply`.

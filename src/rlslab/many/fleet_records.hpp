@@ -59,25 +59,12 @@ void pieces(UnitInformation<T, N> f, To& to) {
     walk(to, f.lengths);
 }
 /// Shows its constants, which no update changes.
-template <class T, int N, class To>
-void constants(PlainCovariance<T, N> f, To& to) {
-    to.number(f.lambda), walk(to, f.by_lambda);
-}
-template <class T, int N, bool upper, class To>
-void constants(RootCovariance<T, N, upper> f, To& to) {
-    to.number(f.lambda), walk(to, f.by_root_lambda);
-}
-template <class T, int N, class To>
-void constants(UdCovariance<T, N> f, To& to) {
-    to.number(f.lambda), walk(to, f.by_lambda);
-}
-template <class T, int N, class To>
-void constants(RootInformation<T, N> f, To& to) {
-    to.number(f.lambda), to.number(f.root_lambda);
-}
-template <class T, int N, class To>
-void constants(UnitInformation<T, N> f, To& to) {
+template <class Form, class To>
+void constants(Form f, To& to) {
     to.number(f.lambda);
+    if constexpr (requires { f.by_lambda; }) walk(to, f.by_lambda);
+    else if constexpr (requires { f.by_root_lambda; }) walk(to, f.by_root_lambda);
+    else if constexpr (requires { f.root_lambda; }) to.number(f.root_lambda);
 }
 /// Whether its form is all of F: not where F is around a filter and hands on that one's form.
 template <class F, class To>
@@ -96,22 +83,18 @@ void pieces_of(F& f, To& to) {
 
 /// Counts, writes and reads a record, which is an array of packs P. What is not a pack takes whole packs.
 template <class P>
-struct RecordSize : Silent {
+struct RecordSize : BareCounts {
     Index packs = 0;
     template <class X>
     void number(X const&) {
         packs += Index((sizeof(X) + sizeof(P) - 1) / sizeof(P));
-    }
-    template <class N>
-    void number(BoundedCountOf<N> const& x) {
-        number(x.n);
     }
     void piece(P const*, Index n) { packs += n; }
     void one(P const&) {}
 };
 /// some: only the lanes of the mask.
 template <class P, bool some = false>
-struct RecordWriting : Silent {
+struct RecordWriting : BareCounts {
     P* to;
     typename P::Mask mask;
     explicit RecordWriting(P* record, typename P::Mask const& lanes = true) : to(record), mask(lanes) {}
@@ -132,10 +115,6 @@ struct RecordWriting : Silent {
         std::memcpy(static_cast<void*>(to), &x, sizeof x);
         to += (sizeof(X) + sizeof(P) - 1) / sizeof(P);
     }
-    template <class N>
-    void number(BoundedCountOf<N> const& x) {
-        number(x.n);
-    }
     [[gnu::always_inline]] void piece(P const* x, Index n) {
         for (Index i = 0; i < n; ++i) to[i] = some ? select(mask, x[i], to[i]) : x[i];
         to += n;
@@ -143,7 +122,7 @@ struct RecordWriting : Silent {
     void one(P const&) {}
 };
 template <class P>
-struct RecordReading : Silent {
+struct RecordReading : BareCounts {
     P const* from;
     explicit RecordReading(P const* record) : from(record) {}
     [[gnu::always_inline]] void number(P& x) { x = *from++; }
@@ -151,10 +130,6 @@ struct RecordReading : Silent {
     void number(X& x) {
         std::memcpy(&x, static_cast<void const*>(from), sizeof x);
         from += (sizeof(X) + sizeof(P) - 1) / sizeof(P);
-    }
-    template <class N>
-    void number(BoundedCountOf<N>& x) {
-        number(x.n);
     }
     [[gnu::always_inline]] void piece(P* x, Index n) {
         for (Index i = 0; i < n; ++i) x[i] = from[i];

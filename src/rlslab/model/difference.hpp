@@ -44,8 +44,4 @@ std::vector<std::complex<double>> roots(std::vector<double> const& p);
 std::vector<std::complex<double>> poles(DifferenceEquation const& model);
 std::vector<std::complex<double>> zeros(DifferenceEquation const& model, size_t input = 0);
 
-/// A random stable system of order n with one input: pairs of poles (and one real pole if n is odd) with 0.3 <= |z| <=
-/// 0.95, b uniform in [-1, 1) and not all small.
-DifferenceEquation random_stable(int order, Seed seed);
-
 }  // namespace rlslab

@@ -147,15 +147,6 @@ Matrix<double> correlation_matrix(Signal const& x, Index n) {
     return R;
 }
 
-bool diagonally_dominant(Matrix<double> const& R) {
-    for (Index i = 0; i < R.rows(); ++i) {
-        double others = 0;
-        for (Index j = 0; j < R.cols(); ++j) others += j == i ? 0 : std::abs(R(i, j));
-        if (!(others < R(i, i))) return false;
-    }
-    return true;
-}
-
 Excitation excitation(Signal const& u, Index most, ExcitationOptions const& options) {
     expects(!u.empty() && most >= 1, "a record, and an order of at least 1");
     Excitation out;

@@ -15,10 +15,6 @@ Signal correlation(Signal const& x, Signal const& y, Index most);
 /// exciting of order n over the record.
 Matrix<double> correlation_matrix(Signal const& x, Index n);
 
-/// Whether the sum of |R_ij|, j != i, is below R_ii in every row i: sufficient for positive definiteness, not
-/// necessary.
-bool diagonally_dominant(Matrix<double> const& R);
-
 /// Root mean square of the units to which the numbers were rounded: powers of ten. A last digit of 0 is not written
 /// everywhere, so the decimals of a number are those of half of the values in its decade (of half of all values, where
 /// it has few), or its own if they are more. Numbers that are no decimals are a converter's, with its step for all. A

@@ -10,33 +10,7 @@
 
 namespace rlslab {
 
-namespace {
-
 using namespace balls;
-
-BallMatrix gram_of(Records const& data, double forgetting, long bits) {
-    Index const d = data.parameters();
-    BallMatrix gram(d, d);
-    auto fill = [&](auto entry) {
-        for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i <= j; ++i) {
-                entry(gram(i, j), i, j);
-                arb_set(gram(j, i), gram(i, j));
-            }
-    };
-    if (forgetting == 1) {
-        IntegerGram sum(data, data.rows());
-        sum.advance(data.rows());
-        fill([&](arb_ptr ball, Index i, Index j) { sum.entry(ball, i, j, bits); });
-    } else {
-        ForgettingGram sum(data, forgetting, BallMatrix(d + 1, d + 1), bits);
-        sum.advance(data.rows());
-        fill([&](arb_ptr ball, Index i, Index j) { arb_set(ball, sum.matrix()(i, j)); });
-    }
-    return gram;
-}
-
-}  // namespace
 
 // With t_i the trace of A_i,
 //
@@ -97,7 +71,8 @@ double condition(Records const& data, double forgetting) {
         case Status::certified: break;
     }
     auto const& enclosure = *exact.enclosure();
-    BallMatrix const gram = gram_of(regressors, forgetting, enclosure.bits);
+    WeightedGram sum(regressors, forgetting, data.rows(), 1, enclosure.bits);
+    BallMatrix const gram = leading(sum.at(data.rows()), data.parameters());
     return correctly::exp2((dominant(gram).log2_value + dominant(enclosure.covariance).log2_value) / 2);
 }
 

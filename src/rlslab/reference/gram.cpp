@@ -91,4 +91,29 @@ void ForgettingGram::add(Index first, Index count) {  // (1)
         }
 }
 
+WeightedGram::WeightedGram(Records const& data, double lambda, Index last, unsigned power, long bits)
+    : size_(data.parameters() + 1), bits_(bits) {
+    if (lambda == 1) exact_ = std::make_unique<IntegerGram>(data, last);
+    else forgetting_ = std::make_unique<ForgettingGram>(data, lambda, BallMatrix(size_, size_), bits, power);
+}
+
+BallMatrix WeightedGram::at(Index k) {
+    BallMatrix out(size_, size_);
+    exact_ ? exact_->advance(k) : forgetting_->advance(k);
+    for (Index j = 0; j < size_; ++j)
+        for (Index i = 0; i <= j; ++i) {
+            if (exact_) exact_->entry(out(i, j), i, j, bits_);
+            else arb_set(out(i, j), forgetting_->matrix()(i, j));
+            arb_set(out(j, i), out(i, j));
+        }
+    return out;
+}
+
+BallMatrix leading(BallMatrix const& A, Index d) {
+    BallMatrix out(d, d);
+    for (Index i = 0; i < d; ++i)
+        for (Index j = 0; j < d; ++j) arb_set(out(i, j), A(i, j));
+    return out;
+}
+
 }  // namespace rlslab::balls

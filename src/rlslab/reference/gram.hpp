@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace rlslab::balls {
@@ -57,6 +58,21 @@ public:
     void advance(Index k, std::function<void()> const& pause = {});
     BallMatrix const& matrix() const { return sum_; }
 };
+
+/// G_k of rows that weigh w_i^power, w_i = lambda^(k-i), both triangles: by whichever of the two serves lambda.
+class WeightedGram {
+    std::unique_ptr<IntegerGram> exact_;
+    std::unique_ptr<ForgettingGram> forgetting_;
+    Index size_;
+    long bits_;
+
+public:
+    WeightedGram(Records const& data, double lambda, Index last, unsigned power, long bits);
+    /// (d + 1) x (d + 1); k must not fall.
+    BallMatrix at(Index k);
+};
+/// The first d rows and columns.
+BallMatrix leading(BallMatrix const& A, Index d);
 
 /// True proves theta_k = 0: theta_k of M_k theta_k = b_k is zero where P0 b_k is, which is a sum of products of given
 /// numbers. False: it is not zero, or the proof needs numbers of more than 2^20 bits. Called when the balls of all

@@ -5,7 +5,6 @@
 #include <rlslab/reference/gram.hpp>
 
 #include <algorithm>
-#include <memory>
 #include <optional>
 
 namespace rlslab {
@@ -18,38 +17,6 @@ constexpr long sharp_bits = 40;
 
 double rounded(arb_srcptr x) { return arf_get_d(arb_midref(x), ARF_RND_NEAR); }
 bool sharp(arb_srcptr x) { return arb_is_zero(x) || arb_rel_accuracy_bits(x) >= sharp_bits; }
-
-/// G_k with w_i^power, both triangles, [psi y] as its columns.
-class WeightedGram {
-    std::unique_ptr<IntegerGram> exact_;
-    std::unique_ptr<ForgettingGram> forgetting_;
-    long bits_;
-
-public:
-    WeightedGram(Records const& data, double lambda, Index last, unsigned power, long bits) : bits_(bits) {
-        Index const m = data.parameters() + 1;
-        if (lambda == 1) exact_ = std::make_unique<IntegerGram>(data, last);
-        else forgetting_ = std::make_unique<ForgettingGram>(data, lambda, BallMatrix(m, m), bits, power);
-    }
-    BallMatrix at(Index k, Index m) {
-        BallMatrix out(m, m);
-        exact_ ? exact_->advance(k) : forgetting_->advance(k);
-        for (Index j = 0; j < m; ++j)
-            for (Index i = 0; i <= j; ++i) {
-                if (exact_) exact_->entry(out(i, j), i, j, bits_);
-                else arb_set(out(i, j), forgetting_->matrix()(i, j));
-                arb_set(out(j, i), out(i, j));
-            }
-        return out;
-    }
-};
-
-BallMatrix leading(BallMatrix const& A, Index d) {
-    BallMatrix out(d, d);
-    for (Index i = 0; i < d; ++i)
-        for (Index j = 0; j < d; ++j) arb_set(out(i, j), A(i, j));
-    return out;
-}
 
 /// sum_i w_i^p = (1 - lambda^pk) / (1 - lambda^p).
 Ball weight(double lambda, ulong p, Index k, long bits) {
@@ -177,9 +144,8 @@ std::vector<Scattered> scattered(Problem<double> const& problem, Records const& 
             if (!s.exact.enclosure()) continue;
             Index const k = s.exact.step();
             bool good = true;
-            BallMatrix const G = gram.at(k, d + 1);
-            BallMatrix const M = squared ? squared->at(k, d + 1) : BallMatrix(),
-                             C = cubed ? cubed->at(k, d + 1) : BallMatrix();
+            BallMatrix const G = gram.at(k);
+            BallMatrix const M = squared ? squared->at(k) : BallMatrix(), C = cubed ? cubed->at(k) : BallMatrix();
             bool const last = &s == &out.back();
             Weighted const weighted{G, squared ? M : G, cubed ? C : G, weight(lambda, 1, k, bits),
                                     weight(lambda, 2, k, bits)};

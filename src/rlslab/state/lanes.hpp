@@ -12,7 +12,7 @@ namespace rlslab {
 namespace detail {
 /// What a filter over packs holds for each lane, in the order of its state.
 template <class P>
-struct NumbersOfLanes : Silent {
+struct NumbersOfLanes : BareCounts {
     using Count = Lanes<Index, P::lanes>;
     std::vector<P> numbers = {};
     std::vector<typename P::Mask> truths = {};
@@ -20,17 +20,13 @@ struct NumbersOfLanes : Silent {
     void number(P const& x) { numbers.push_back(x); }
     void number(typename P::Mask const& x) { truths.push_back(x); }
     void number(Count const& x) { counts.push_back(x); }
-    template <class N>
-    void number(BoundedCountOf<N> const& x) {
-        number(x.n);
-    }
     template <class X>
     void number(X const&) {}
     void clear() { numbers.clear(), truths.clear(), counts.clear(); }
 };
 /// Puts it back in the lanes of the mask.
 template <class P>
-struct LanesPutBack : Silent {
+struct LanesPutBack : BareCounts {
     typename P::Mask mask;
     P const* number_at;
     typename P::Mask const* truth_at;
@@ -40,10 +36,6 @@ struct LanesPutBack : Silent {
     void number(P& x) { x = select(mask, *number_at++, x); }
     void number(typename P::Mask& x) { x = (mask && *truth_at++) || (!mask && x); }
     void number(Lanes<Index, P::lanes>& x) { x = select(mask, *count_at++, x); }
-    template <class N>
-    void number(BoundedCountOf<N>& x) {
-        number(x.n);
-    }
     template <class X>
     void number(X const&) {}
 };
@@ -141,7 +133,7 @@ Truth<T> equal_to(A const& a, X const& b) {
 
 /// One lane of a filter over packs, or a filter of numbers, as the doubles that both have in their states: float's and
 /// counts up to 2^53 fit. A bound that a filter of floats keeps in double is rounded to the lane's float.
-struct LaneRead : Silent {
+struct LaneRead : BareCounts {
     int lane;
     std::vector<double> values = {};
     explicit LaneRead(int of) : lane(of) {}
@@ -150,13 +142,9 @@ struct LaneRead : Silent {
         if constexpr (requires { x[lane]; }) values.push_back(double(x[lane]));
         else values.push_back(double(x));
     }
-    template <class N>
-    void number(BoundedCountOf<N> const& x) {
-        number(x.n);
-    }
 };
 /// What is one for all lanes is compared, not written. keep: else all is only compared.
-struct LaneWritten : Silent {
+struct LaneWritten : BareCounts {
     int lane;
     bool keep, same = true;
     double const* at;
@@ -178,10 +166,6 @@ struct LaneWritten : Silent {
     void number(Lanes<X, L>& x) {
         if (keep) x.value[size_t(lane)] = X(*at);
         ++at;
-    }
-    template <class N>
-    void number(BoundedCountOf<N>& x) {
-        number(x.n);
     }
     template <class X>
     void number(X& x) {

@@ -120,6 +120,15 @@ std::size_t entries_in(F const& f) {
 template <class F>
 inline constexpr std::size_t entry_bytes = 4 + StateEntry::size * entries_of<F>();
 
+struct Silent {
+    void token(char, std::uint64_t) {}
+    void length(char, Index, std::size_t) {}
+    void name(std::string_view) {}
+};
+
+/// Is shown a count without its end.
+struct BareCounts : Silent {};
+
 /// Shows every member to `to`, in order.
 template <class To, class X>
 void walk(To& to, X& x) {
@@ -133,7 +142,8 @@ void walk(To& to, X& x) {
         to.token(')', 0);
     } else if constexpr (Encodable<Member>) {
         to.token('n', Encoding<Member>::size);
-        to.number(x);
+        if constexpr (std::derived_from<To, BareCounts> && requires { x.most; }) to.number(x.n);
+        else to.number(x);
     } else if constexpr (is_square<Member>) {
         to.length('m', x.size(), Encoding<std::remove_cvref_t<decltype(x(0, 0))>>::size);
         for (Index j = 0; j < x.size(); ++j)
@@ -192,12 +202,6 @@ public:
         header.parameters = parameters_;
         header.bytes = bytes_;
     }
-};
-
-struct Silent {
-    void token(char, std::uint64_t) {}
-    void length(char, Index, std::size_t) {}
-    void name(std::string_view) {}
 };
 
 struct Writing : Silent {

@@ -17,23 +17,10 @@ template <int s, class V, int... l>
 /// W columns of W numbers become their rows: squares of s x s change places with their mirror images, s = 1, 2, 4 ...
 template <int s, int W, class V>
 [[gnu::always_inline]] inline void transpose(V (&a)[W]) {
-#pragma GCC unroll 8
-    for (int c = 0; c < W; ++c)
-        if ((c & s) == 0) exchange<s>(a[c], a[c + s], std::make_integer_sequence<int, W>());
+    UNROLLED_8 for (int c = 0; c < W; ++c) if ((c & s) == 0)
+        exchange<s>(a[c], a[c + s], std::make_integer_sequence<int, W>());
     if constexpr (2 * s < W) transpose<2 * s>(a);
 }
-
-/// Where the product goes, if there is one.
-template <class T>
-T* product_of(Multiply<T> const& s) {
-    return s.w;
-}
-template <class S>
-auto* product_of(ThenMultiply<S> const& s) {
-    return s.out;
-}
-template <class S>
-inline constexpr bool multiplies = requires(S const& s) { product_of(s); };
 
 /// A block above the diagonal: rows from i0, columns from j0 on; `whole`: all of these exist. along: the sums of its
 /// rows, down: those of its columns. W columns at a time, so that they stay in registers.
@@ -42,30 +29,23 @@ template <bool whole, class B, class S, class T>
     constexpr int W = B::W;
     B w;
     if constexpr (S::writes) w.load(s.w + i0);
-#pragma GCC unroll 8
-    for (int h = 0; h < B::registers; ++h) {
+    UNROLLED_8 for (int h = 0; h < B::registers; ++h) {
         typename B::V part[B::registers][W];
-#pragma GCC unroll 8
-        for (int c = 0; c < W; ++c) {
+        UNROLLED_8 for (int c = 0; c < W; ++c) {
             Index const j = j0 + h * W + c;
             T* const column = block + (h * W + c) * B::rows;
             B t = block_of<B>(column, 0);
             if constexpr (S::writes) {
                 step(s, s.at(j), t, w);
                 t.store(column);
-            }
-            if constexpr (multiplies<S>) {
+            } else {
                 if (whole || j < s.d) along.add_product(t, s.x[j]);
-#pragma GCC unroll 8
-                for (int m = 0; m < B::registers; ++m) part[m][c] = t.v[m];
+                UNROLLED_8 for (int m = 0; m < B::registers; ++m) part[m][c] = t.v[m];
             }
         }
-        if constexpr (multiplies<S>)
-#pragma GCC unroll 8
-            for (int m = 0; m < B::registers; ++m) {
+        if constexpr (!S::writes) UNROLLED_8 for (int m = 0; m < B::registers; ++m) {
                 transpose<1>(part[m]);
-#pragma GCC unroll 8
-                for (int r = 0; r < W; ++r) down.v[h] = down.v[h] + part[m][r] * s.x[i0 + m * W + r];
+                UNROLLED_8 for (int r = 0; r < W; ++r) down.v[h] = down.v[h] + part[m][r] * s.x[i0 + m * W + r];
             }
     }
 }
@@ -88,8 +68,9 @@ template <int c, class B, class S, class T>
     if constexpr (S::writes) {
         step_on_diagonal<c>(s, j0, t, w);
         t.store(column);
+    } else {
+        sum.add_product(t, s.x[j0 + c]);
     }
-    if constexpr (multiplies<S>) sum.add_product(t, s.x[j0 + c]);
     if constexpr (c + 1 < B::rows)
         if (j0 + c + 1 < s.d) diagonal_block<c + 1>(s, block, j0, w, sum);
 }
@@ -100,26 +81,23 @@ template <class B, int G, bool whole, class S, class T>
     constexpr int R = B::rows;
     T* block[G];
     B w, along, down[G];
-#pragma GCC unroll 8
-    for (int g = 0; g < G; ++g) {
+    UNROLLED_8 for (int g = 0; g < G; ++g) {
         block[g] = A;
         A += (j0 / R + g + 1) * R * R;
-        if constexpr (multiplies<S>) down[g].load(product_of(s) + j0 + g * R);
+        if constexpr (!S::writes) down[g].load(s.w + j0 + g * R);
     }
     for (Index i0 = 0; i0 < j0; i0 += R) {
-        if constexpr (multiplies<S>) along.load(product_of(s) + i0);
-#pragma GCC unroll 8
-        for (int g = 0; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, along, down[g]);
-        if constexpr (multiplies<S>) along.store(product_of(s) + i0);
+        if constexpr (!S::writes) along.load(s.w + i0);
+        UNROLLED_8 for (int g = 0; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, along, down[g]);
+        if constexpr (!S::writes) along.store(s.w + i0);
     }
-#pragma GCC unroll 8
-    for (int p = 0; p < G; ++p) {
+    UNROLLED_8 for (int p = 0; p < G; ++p) {
         Index const i0 = j0 + p * R;
         if constexpr (S::writes) w.load(s.w + i0);
         diagonal_block<0>(s, block[p] + i0 * R, i0, w, down[p]);
-#pragma GCC unroll 8
-        for (int g = p + 1; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, down[p], down[g]);
-        if constexpr (multiplies<S>) down[p].store(product_of(s) + i0);
+        UNROLLED_8 for (int g = p + 1; g < G; ++g)
+            block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, down[p], down[g]);
+        if constexpr (!S::writes) down[p].store(s.w + i0);
     }
     return A;
 }
@@ -129,10 +107,10 @@ template <class B, class S>
     constexpr int R = B::rows, G = sizeof(typename B::V) == 32 && !S::writes ? 2 : 1;
     auto* A = s.A;
     Index j0 = 0;
-    if constexpr (multiplies<S>) {
+    if constexpr (!S::writes) {
         B start;
         start.empty_sum();
-        fill(product_of(s), 0, s.d, start);
+        fill(s.w, 0, s.d, start);
     }
     if constexpr (R == 8) {
         for (; j0 + G * R <= s.d; j0 += G * R) A = block_columns<B, G, true>(s, A, j0);
@@ -143,10 +121,5 @@ template <class B, class S>
 }
 template <class B, class S>
 [[gnu::always_inline]] inline void evaluate(OnBlocks<S> const& s) {
-    by_blocks<B>(s);
-}
-template <class B, class S>
-    requires(B::rows > 1)
-[[gnu::always_inline]] inline void evaluate(ThenMultiply<OnBlocks<S>> const& s) {
     by_blocks<B>(s);
 }

@@ -13,28 +13,23 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
     using Block::add_product, Block::registers, Block::rows, Block::scale, Block::subtract_product, Block::v, Block::W;
 
     [[gnu::always_inline]] void add_product(Abreast const& a, Abreast const& b) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
+        EACH_REGISTER v[m] = v[m] + a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] void subtract_product(Abreast const& a, Abreast const& b) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b.v[m];
+        EACH_REGISTER v[m] = v[m] - a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] friend Abreast const& conjugate(Abreast const& a) { return a; }  // of real numbers
     /// Row r takes number q - r of the `count` numbers at x + r ld, or 0 where there is none; put together in
     /// registers: narrow stores do not forward to a wide load.
     [[gnu::always_inline]] void gather(T const* x, Index ld, int q, int count) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m)
-            v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
+        EACH_REGISTER
+        v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
     }
     /// Row r takes row r - 1's number, the first row takes `first`.
     [[gnu::always_inline]] void pass_on(T first) {
         V before;  // not 0 + first, which is another number for -0
-#pragma GCC unroll 16
-        for (int i = 0; i < W; ++i) before[i] = first;
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) {
+        UNROLLED for (int i = 0; i < W; ++i) before[i] = first;
+        EACH_REGISTER {
             V const here = v[m];
             v[m] = shifted(before, here, std::make_integer_sequence<int, W>());
             before = here;
@@ -48,40 +43,31 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
     };
     [[gnu::always_inline]] static Where within(RowRange p) {
         Where out;
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) {
+        EACH_REGISTER {
             Mask row;
-#pragma GCC unroll 16
-            for (int i = 0; i < W; ++i) row[i] = Word(m * W + i);
+            UNROLLED for (int i = 0; i < W; ++i) row[i] = Word(m * W + i);
             out.in[m] = (row >= Mask{} + Word(p.first)) & (row < Mask{} + Word(p.last));
         }
         return out;
     }
     [[gnu::always_inline]] Where zeros() const {
         Where out;
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) out.in[m] = v[m] == V{};
+        EACH_REGISTER out.in[m] = v[m] == V{};
         return out;
     }
     /// The number where the condition holds, a elsewhere; and the other way round.
     [[gnu::always_inline]] void only(Where const& here, Abreast const& a) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) v[m] = here.in[m] ? v[m] : a.v[m];
+        EACH_REGISTER v[m] = here.in[m] ? v[m] : a.v[m];
     }
     [[gnu::always_inline]] void replace(Where const& there, Abreast const& a) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) v[m] = there.in[m] ? a.v[m] : v[m];
+        EACH_REGISTER v[m] = there.in[m] ? a.v[m] : v[m];
     }
-    [[gnu::always_inline]] void fill(T a) {
-#pragma GCC unroll 16
-        for (V& r : v) r = V{} + a;
-    }
+    [[gnu::always_inline]] void fill(T a) { EACH_V r = V{} + a; }
     /// Whether every number lies above `least` and is finite, but for the rows `aside`.
     [[gnu::always_inline]] bool in_range(T least, Where const& aside) const {
         Mask out = Mask{} - 1;
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m)
-            out = out & (aside.in[m] | ((V{} + least < v[m]) & (v[m] <= V{} + std::numeric_limits<T>::max())));
+        EACH_REGISTER
+        out = out & (aside.in[m] | ((V{} + least < v[m]) & (v[m] <= V{} + std::numeric_limits<T>::max())));
         return holds_in_all<T>(out);
     }
 
@@ -155,8 +141,7 @@ struct Corner {
         constexpr int numbers = std::min(B::rows, steps - n);
         T* const from = k.L + (i0 + std::min<Index>(n, m - 1)) * k.ld + i0 +
                         n;  // behind the last column it is no matter what is read
-#pragma GCC unroll 16
-        for (int j = 0; j < numbers; ++j) column[j].pass_on(n + j < B::rows ? from[j] : T(0));
+        UNROLLED for (int j = 0; j < numbers; ++j) column[j].pass_on(n + j < B::rows ? from[j] : T(0));
         z.pass_on(n < B::rows ? k.z[i0 + n] : T(0));
         auto const turning = R::within({n - m + 1, n + 1});
         R a = column[0], b = x[n], turn_c, turn_s, keep;
@@ -164,8 +149,7 @@ struct Corner {
         keep.zero();
         b.only(turning, keep);
         givens(a, b, turn_c, turn_s, column[0]);
-#pragma GCC unroll 16
-        for (int j = 1; j < numbers; ++j) {
+        UNROLLED for (int j = 1; j < numbers; ++j) {
             keep = x[n + j];
             rotate(column[j], x[n + j], k.root_lambda, turn_c, turn_s);
             if (n + 1 < count) x[n + j].only(turning, keep);
@@ -176,8 +160,7 @@ struct Corner {
         turn_c.store(c[n]), turn_s.store(s[n]);
         if constexpr (n >= count - 1) {
             T* const to = k.L + (i0 + n - (count - 1)) * (k.ld + 1);
-#pragma GCC unroll 16
-            for (int j = 0; j < numbers; ++j) to[j] = column[j].last();
+            UNROLLED for (int j = 0; j < numbers; ++j) to[j] = column[j].last();
             k.z[i0 + n - (count - 1)] = z.last();
         }
         if constexpr (n + 1 < steps)
@@ -186,8 +169,7 @@ struct Corner {
     [[gnu::always_inline]] void finish(RotateInRows<T> const& k, Index i0, Index m) {
 #pragma GCC unroll 32
         for (int q = 0; q < steps; ++q) x[q].gather(k.x + i0, k.ld, q, B::rows);
-#pragma GCC unroll 16
-        for (R& number : column) number.zero();
+        UNROLLED for (R& number : column) number.zero();
         z.zero();
         eta.load(k.eta);
         advance<0>(k, i0, m);
@@ -201,18 +183,15 @@ struct Corner {
     /// The corner's rotations, applied to block j0 below it.
     [[gnu::always_inline]] void apply(RotateInRows<T> const& k, Index i0, Index j0) const {
         B below[count];
-#pragma GCC unroll 16
-        for (int r = 0; r < count; ++r) below[r].load(k.x + r * k.ld + j0);
+        UNROLLED for (int r = 0; r < count; ++r) below[r].load(k.x + r * k.ld + j0);
         for (int i = 0; i < B::rows; ++i) {
             T* const here = k.L + (i0 + i) * k.ld + j0;
             B t;
             t.load(here);
-#pragma GCC unroll 16
-            for (int r = 0; r < count; ++r) rotate(t, below[r], k.root_lambda, cosine(r, i), sine(r, i));
+            UNROLLED for (int r = 0; r < count; ++r) rotate(t, below[r], k.root_lambda, cosine(r, i), sine(r, i));
             t.store(here);
         }
-#pragma GCC unroll 16
-        for (int r = 0; r < count; ++r) below[r].store(k.x + r * k.ld + j0);
+        UNROLLED for (int r = 0; r < count; ++r) below[r].store(k.x + r * k.ld + j0);
     }
 };
 
