@@ -1,21 +1,23 @@
 // The texts of the kernels, in the order in which they build on one another. Included by dispatch.hpp once for each
 // instruction set, each time in a namespace of its own: no #pragma once.
-
-// The texts' loops over registers and columns, which GCC 12 leaves as loops at -O2.
-#define UNROLLED _Pragma("GCC unroll 16")
-#define UNROLLED_8 _Pragma("GCC unroll 8")
-#define EACH_REGISTER UNROLLED for (int m = 0; m < registers; ++m)
-#define EACH_V UNROLLED for (V & r : v)
-
 #include <rlslab/core/instructions.hpp>
+
 #include <rlslab/linalg/kernels/block.hpp>
+
 #include <rlslab/linalg/kernels/dense.hpp>
+
 #include <rlslab/linalg/kernels/sweep.hpp>
+
 #include <rlslab/linalg/kernels/columns.hpp>
+
 #include <rlslab/linalg/kernels/blocks.hpp>
+
 #include <rlslab/linalg/kernels/lower.hpp>
+
 #include <rlslab/linalg/kernels/rows.hpp>
+
 #include <rlslab/linalg/kernels/reflect.hpp>
+
 #include <rlslab/linalg/kernels/panel.hpp>
 
 /// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes`
@@ -31,8 +33,3 @@ template <class B, class K>
     K const copy = kernel;  // whose address nobody has: its fields stay in registers
     evaluate<B>(copy);
 }
-
-#undef UNROLLED
-#undef UNROLLED_8
-#undef EACH_REGISTER
-#undef EACH_V

@@ -79,13 +79,21 @@ struct SimdBlock {
     static_assert(Rows % W == 0);
     V v[registers];
 
-    [[gnu::always_inline]] void zero() { EACH_V r = V{}; }
-    [[gnu::always_inline]] void empty_sum() { EACH_V r = -V{}; }
+    [[gnu::always_inline]] void zero() {
+#pragma GCC unroll 16
+        for (V& r : v) r = V{};
+    }
+    [[gnu::always_inline]] void empty_sum() {
+#pragma GCC unroll 16
+        for (V& r : v) r = -V{};
+    }
     [[gnu::always_inline]] void load(T const* from) {
-        EACH_REGISTER v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
     }
     [[gnu::always_inline]] void load_unpadded(T const* from, RowRange p) {
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             Index const left = p.last - m * W;
             T const* const at = from + m * W;
             v[m] = V{};
@@ -109,36 +117,59 @@ struct SimdBlock {
         }
     }
     [[gnu::always_inline]] void store(T* to) const {
-        UNROLLED for (int m = 0; m < registers; ++m) * reinterpret_cast<Anywhere*>(to + m * W) = v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) *reinterpret_cast<Anywhere*>(to + m * W) = v[m];
     }
     /// Writes the rows in p; the others keep their values in memory.
     [[gnu::always_inline]] void store_present(T* to, RowRange p) const {
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             auto* const there = reinterpret_cast<Anywhere*>(to + m * W);
             Mask const here = mask(p.last, m) & ~mask(p.first, m);
             *there = V((here & Mask(v[m])) | (~here & Mask(V(*there))));
         }
     }
     [[gnu::always_inline]] void set(SimdBlock const& a) { *this = a; }
-    [[gnu::always_inline]] void scale(T a) { EACH_V r = r * a; }
-    [[gnu::always_inline]] void divide(T a) { EACH_V r = r / a; }
-    [[gnu::always_inline]] void scale(SimdBlock const& a) { EACH_REGISTER v[m] = v[m] * a.v[m]; }
-    [[gnu::always_inline]] void divide(SimdBlock const& a) { EACH_REGISTER v[m] = v[m] / a.v[m]; }
-    [[gnu::always_inline]] void subtract(SimdBlock const& a) { EACH_REGISTER v[m] = v[m] - a.v[m]; }
-    [[gnu::always_inline]] void add(SimdBlock const& a) { EACH_REGISTER v[m] = v[m] + a.v[m]; }
+    [[gnu::always_inline]] void scale(T a) {
+#pragma GCC unroll 16
+        for (V& r : v) r = r * a;
+    }
+    [[gnu::always_inline]] void divide(T a) {
+#pragma GCC unroll 16
+        for (V& r : v) r = r / a;
+    }
+    [[gnu::always_inline]] void scale(SimdBlock const& a) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] * a.v[m];
+    }
+    [[gnu::always_inline]] void divide(SimdBlock const& a) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] / a.v[m];
+    }
+    [[gnu::always_inline]] void subtract(SimdBlock const& a) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m];
+    }
+    [[gnu::always_inline]] void add(SimdBlock const& a) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
+    }
     /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}, s = the last after. The vectors are built in registers,
     /// because narrow stores do not forward to the wide loads that follow.
     [[gnu::always_inline]] void accumulate(T& s, SimdBlock& before, SimdBlock& after, RowRange p) const {
         T here[Rows + 1];
         here[0] = T(0);
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             V term = v[m];
             if (p.last < Rows) leave_out(term, p.last, m);
-            UNROLLED for (int i = 0; i < W; ++i) here[m * W + i + 1] = m + i > 0 ? here[m * W + i] + term[i] : term[i];
+#pragma GCC unroll 16
+            for (int i = 0; i < W; ++i) here[m * W + i + 1] = m + i > 0 ? here[m * W + i] + term[i] : term[i];
         }
         before.put_together(here);
         after.put_together(here + 1);
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             before.v[m] = s + before.v[m];
             after.v[m] = s + after.v[m];
         }
@@ -146,16 +177,26 @@ struct SimdBlock {
     }
     /// The rows from numbers that are in registers.
     [[gnu::always_inline]] void put_together(T const* x) {
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             T const* const a = x + m * W;
             if constexpr (W == 2) v[m] = V{a[0], a[1]};
             else if constexpr (W == 4) v[m] = V{a[0], a[1], a[2], a[3]};
             else v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
         }
     }
-    [[gnu::always_inline]] void square_root_each() { EACH_V r = root_of_each(r); }
-    [[gnu::always_inline]] void add_product(SimdBlock const& a, T b) { EACH_REGISTER v[m] = v[m] + a.v[m] * b; }
-    [[gnu::always_inline]] void subtract_product(SimdBlock const& a, T b) { EACH_REGISTER v[m] = v[m] - a.v[m] * b; }
+    [[gnu::always_inline]] void square_root_each() {
+#pragma GCC unroll 16
+        for (V& r : v) r = root_of_each(r);
+    }
+    [[gnu::always_inline]] void add_product(SimdBlock const& a, T b) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b;
+    }
+    [[gnu::always_inline]] void subtract_product(SimdBlock const& a, T b) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
+    }
     /// Subtracts a b from the rows before `first`, and c d from the other rows.
     template <int first>
     [[gnu::always_inline]] void subtract_either(SimdBlock const& a, T b, SimdBlock const& c, T d) {
@@ -163,7 +204,8 @@ struct SimdBlock {
     }
     /// Adds x - x in the rows of p: zero for a number, NaN for an infinity or a NaN.
     [[gnu::always_inline]] void add_difference(SimdBlock const& x, RowRange p) {
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             V difference = x.v[m] - x.v[m];
             if (p.last < Rows) leave_out(difference, p.last, m);
             v[m] = v[m] + difference;
@@ -171,7 +213,8 @@ struct SimdBlock {
     }
     [[gnu::always_inline]] bool all_zero() const {
         V sum = v[0];
-        UNROLLED for (int m = 1; m < registers; ++m) sum = sum + v[m];
+#pragma GCC unroll 16
+        for (int m = 1; m < registers; ++m) sum = sum + v[m];
         Mask const zero = sum == V{};
 #ifdef __x86_64__
         if constexpr (Bytes == 64) return __builtin_ia32_cmppd512_mask(sum, V{}, 0, 255, 4) == 255;
@@ -181,17 +224,21 @@ struct SimdBlock {
     /// The running lanes of dot products. A row outside p adds -0, which changes no number, not even a zero. The
     /// functions "_all" are for blocks without padding.
     [[gnu::always_inline]] void start_sum_all(SimdBlock const& a, SimdBlock const& b) {
-        EACH_REGISTER v[m] = a.v[m] * b.v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] void start_sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
         start_sum_all(a, b);
-        EACH_REGISTER leave_out(v[m], p.last, m);
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
     }
     [[gnu::always_inline]] void sum_all(SimdBlock const& a, SimdBlock const& b) {
-        EACH_REGISTER v[m] = v[m] + a.v[m] * b.v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] void sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             V product = a.v[m] * b.v[m];
             leave_out(product, p.last, m);
             v[m] = v[m] + product;
@@ -206,19 +253,22 @@ struct SimdBlock {
     [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out) {
         if constexpr (W == 2) {
             V pair[4];
-            UNROLLED for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) {
                 V const* const r = a[c].v;
                 if constexpr (Rows == 8) pair[c] = (r[0] + r[2]) + (r[1] + r[3]);
                 else pair[c] = r[0] + r[1];
             }
-            UNROLLED for (int c = 0; c < 4; c += 2) * reinterpret_cast<Anywhere*>(out + c) =
-                __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) +
-                __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; c += 2)
+                *reinterpret_cast<Anywhere*>(out + c) = __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) +
+                                                        __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
         } else {
             typedef T Four __attribute__((vector_size(4 * sizeof(T))));
             typedef T FourAnywhere __attribute__((vector_size(4 * sizeof(T)), aligned(alignof(T)), may_alias));
             Four h[4];
-            UNROLLED for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) {
                 V const* const r = a[c].v;
                 if constexpr (W == 8)
                     h[c] = __builtin_shufflevector(r[0], r[0], 0, 1, 2, 3) +

@@ -17,8 +17,9 @@ template <int s, class V, int... l>
 /// W columns of W numbers become their rows: squares of s x s change places with their mirror images, s = 1, 2, 4 ...
 template <int s, int W, class V>
 [[gnu::always_inline]] inline void transpose(V (&a)[W]) {
-    UNROLLED_8 for (int c = 0; c < W; ++c) if ((c & s) == 0)
-        exchange<s>(a[c], a[c + s], std::make_integer_sequence<int, W>());
+#pragma GCC unroll 8
+    for (int c = 0; c < W; ++c)
+        if ((c & s) == 0) exchange<s>(a[c], a[c + s], std::make_integer_sequence<int, W>());
     if constexpr (2 * s < W) transpose<2 * s>(a);
 }
 
@@ -29,9 +30,11 @@ template <bool whole, class B, class S, class T>
     constexpr int W = B::W;
     B w;
     if constexpr (S::writes) w.load(s.w + i0);
-    UNROLLED_8 for (int h = 0; h < B::registers; ++h) {
+#pragma GCC unroll 8
+    for (int h = 0; h < B::registers; ++h) {
         typename B::V part[B::registers][W];
-        UNROLLED_8 for (int c = 0; c < W; ++c) {
+#pragma GCC unroll 8
+        for (int c = 0; c < W; ++c) {
             Index const j = j0 + h * W + c;
             T* const column = block + (h * W + c) * B::rows;
             B t = block_of<B>(column, 0);
@@ -40,12 +43,16 @@ template <bool whole, class B, class S, class T>
                 t.store(column);
             } else {
                 if (whole || j < s.d) along.add_product(t, s.x[j]);
-                UNROLLED_8 for (int m = 0; m < B::registers; ++m) part[m][c] = t.v[m];
+#pragma GCC unroll 8
+                for (int m = 0; m < B::registers; ++m) part[m][c] = t.v[m];
             }
         }
-        if constexpr (!S::writes) UNROLLED_8 for (int m = 0; m < B::registers; ++m) {
+        if constexpr (!S::writes)
+#pragma GCC unroll 8
+            for (int m = 0; m < B::registers; ++m) {
                 transpose<1>(part[m]);
-                UNROLLED_8 for (int r = 0; r < W; ++r) down.v[h] = down.v[h] + part[m][r] * s.x[i0 + m * W + r];
+#pragma GCC unroll 8
+                for (int r = 0; r < W; ++r) down.v[h] = down.v[h] + part[m][r] * s.x[i0 + m * W + r];
             }
     }
 }
@@ -81,22 +88,25 @@ template <class B, int G, bool whole, class S, class T>
     constexpr int R = B::rows;
     T* block[G];
     B w, along, down[G];
-    UNROLLED_8 for (int g = 0; g < G; ++g) {
+#pragma GCC unroll 8
+    for (int g = 0; g < G; ++g) {
         block[g] = A;
         A += (j0 / R + g + 1) * R * R;
         if constexpr (!S::writes) down[g].load(s.w + j0 + g * R);
     }
     for (Index i0 = 0; i0 < j0; i0 += R) {
         if constexpr (!S::writes) along.load(s.w + i0);
-        UNROLLED_8 for (int g = 0; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, along, down[g]);
+#pragma GCC unroll 8
+        for (int g = 0; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, along, down[g]);
         if constexpr (!S::writes) along.store(s.w + i0);
     }
-    UNROLLED_8 for (int p = 0; p < G; ++p) {
+#pragma GCC unroll 8
+    for (int p = 0; p < G; ++p) {
         Index const i0 = j0 + p * R;
         if constexpr (S::writes) w.load(s.w + i0);
         diagonal_block<0>(s, block[p] + i0 * R, i0, w, down[p]);
-        UNROLLED_8 for (int g = p + 1; g < G; ++g)
-            block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, down[p], down[g]);
+#pragma GCC unroll 8
+        for (int g = p + 1; g < G; ++g) block_above<whole>(s, block[g] + i0 * R, i0, j0 + g * R, down[p], down[g]);
         if constexpr (!S::writes) down[p].store(s.w + i0);
     }
     return A;

@@ -16,7 +16,8 @@ struct SumAcross {
     T* out;
     B sum;
     [[gnu::always_inline]] SumAcross(T const* from, T* to) : out(to) {
-        UNROLLED for (int c = 0; c < C; ++c) x[c] = from[c];
+#pragma GCC unroll 16
+        for (int c = 0; c < C; ++c) x[c] = from[c];
     }
     [[gnu::always_inline]] void begin(Index i0) { sum.load(out + i0); }
     [[gnu::always_inline]] void add(int c, B const& t) { sum.add_product(t, x[c]); }
@@ -51,7 +52,8 @@ struct Columns {
     T* column[C];
     std::remove_cvref_t<decltype(std::declval<S>().at(0))> at[C];
     [[gnu::always_inline]] Columns(S const& s, Index j0) {
-        UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+        for (int c = 0; c < C; ++c) {
             column[c] = const_cast<T*>(s.A) + (j0 + c) * s.ld;  // written where S::writes
             at[c] = s.at(j0 + c);
         }
@@ -65,7 +67,8 @@ template <class B, class S, int C, class Also>
     for (; i0 < i1; i0 += B::rows) {
         B w = block_of<B>(s.w, i0);
         also.begin(i0);
-        UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+        for (int c = 0; c < C; ++c) {
             B t;
             t.load(group.column[c] + i0);
             step(s, group.at[c], t, w);
@@ -108,7 +111,8 @@ template <class B, int C, class S>
     static_assert(B::rows % C == 0);
     Index const corner = j0 / B::rows * B::rows;
     B sum[4];
-    UNROLLED for (B& lanes : sum) lanes.empty_sum();
+#pragma GCC unroll 16
+    for (B& lanes : sum) lanes.empty_sum();
     SumsDown<B> above{s.x, sum, {}};
     side_by_side<B>(sweep, columns, 0, corner, above);
     SumsToDiagonal<B> rest{sum, {}, j0 - corner};

@@ -122,23 +122,28 @@ template <class B, class T, Shape shape>
         Index const count = k.d - j0 < 4 ? k.d - j0 : 4;
         Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;  // the block with rows that are not present
         T const* column[4];
-        UNROLLED for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
+#pragma GCC unroll 16
+        for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
         B sum[4], x, a;
         if (last > 0) {
             x.load(k.x);
-            UNROLLED for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) {
                 a.load(column[c]);
                 sum[c].start_sum_all(a, x);
             }
             for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
                 x.load(k.x + i0);
-                UNROLLED for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 16
+                for (int c = 0; c < 4; ++c) {
                     a.load(column[c] + i0);
                     sum[c].sum_all(a, x);
                 }
             }
         }
-        if (B::rows == 8 && last == 0) UNROLLED for (int c = 0; c < 4; ++c) sum[c].empty_sum();
+        if (B::rows == 8 && last == 0)
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) sum[c].empty_sum();
         x = x_tail;
         if (last < tail) x.load(k.x + last);
         if (upper && B::rows == 8 &&
@@ -146,7 +151,8 @@ template <class B, class T, Shape shape>
             if (j0 == last) to_diagonal<0>(sum, column, last, x, std::make_integer_sequence<int, 4>());
             else to_diagonal<B::rows - 4>(sum, column, last, x, std::make_integer_sequence<int, 4>());
         } else {
-            UNROLLED for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) {
                 RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
                 a.load(column[c] + last);
                 if constexpr (B::rows == 8) sum[c].sum(a, x, present);
@@ -166,13 +172,15 @@ template <class B, int K, class T>
         B sum[K], a;
         for (Index n = 0; n < k.d; ++n) {
             T const b = k.B[n * k.row + j * k.column];
-            UNROLLED for (int m = 0; m < K; ++m) {
+#pragma GCC unroll 16
+            for (int m = 0; m < K; ++m) {
                 Index const i = i0 + m * B::rows;
                 a.load(k.A + n * k.ld + i);
                 if (n == 0) sum[m] = a, sum[m].scale(b);
                 else sum[m].add_product(a, b);
             }
         }
-        UNROLLED for (int m = 0; m < K; ++m) sum[m].store(k.out + j * k.ld + i0 + m * B::rows);
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) sum[m].store(k.out + j * k.ld + i0 + m * B::rows);
     }
 }

@@ -74,7 +74,8 @@ template <class B, class T>
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
     T const* const row = s.L + (i0 + i) * s.ld + i0;
-    UNROLLED_8 for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
+#pragma GCC unroll 8
+    for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(SolveLower<T> const& s, Index i0, Index i, Index m, T* x) {
@@ -95,7 +96,8 @@ template <class T>
     row[i] = T(turn.r);
     s.c[i0 + i] = turn.c;
     s.s[i0 + i] = turn.s;
-    UNROLLED_8 for (Index j = i + 1; j < m; ++j) {
+#pragma GCC unroll 8
+    for (Index j = i + 1; j < m; ++j) {
         T t = s.root_lambda * row[j];
         rotate(turn, t, x[j]);
         row[j] = t;
@@ -125,11 +127,13 @@ template <class T>
     T const v = x[i] = here / turn.pivot;
     s.tau[i0 + i] = turn.tau;
     if (all(turn.tau == RealOf<T>(0))) {
-        UNROLLED_8 for (Index j = i + 1; j < m; ++j) row[j] *= s.weight;
+#pragma GCC unroll 8
+        for (Index j = i + 1; j < m; ++j) row[j] *= s.weight;
         s.z[i0 + i] *= s.weight;
         return;
     }
-    UNROLLED_8 for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
+#pragma GCC unroll 8
+    for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
     reflect<T>(turn.tau, conjugate(v), s.weight, s.z[i0 + i], *s.eta);
 }
 /// All rows of a full corner, unrolled so that a copy of x stays in registers.
@@ -141,9 +145,11 @@ template <int i, int m, class S, class T>
 template <int m, class S, class T>
 [[gnu::always_inline]] inline void whole_corner(S const& s, Index i0, T* x) {
     T copy[m];
-    UNROLLED_8 for (Index i = 0; i < m; ++i) copy[i] = x[i];
+#pragma GCC unroll 8
+    for (Index i = 0; i < m; ++i) copy[i] = x[i];
     finish_corner_rows<0, m>(s, i0, copy);
-    UNROLLED_8 for (Index i = 0; i < m; ++i) x[i] = copy[i];
+#pragma GCC unroll 8
+    for (Index i = 0; i < m; ++i) x[i] = copy[i];
 }
 
 template <class B, ByPanels S>
@@ -166,7 +172,8 @@ template <class B, class T>
             B x;
             Index const m = rows_of<B>(i0, s.d).last;
             x.load(s.x + i0);
-            UNROLLED_8 for (Index i = 0; i < m; ++i) {
+#pragma GCC unroll 8
+            for (Index i = 0; i < m; ++i) {
                 T* const column = s.L + (i0 + i) * s.ld + i0;
                 B t;
                 t.load(column);
@@ -186,7 +193,8 @@ template <class B, class T>
 template <int i, class B, class T>
 [[gnu::always_inline]] inline void eliminate_in_corner(FoldGentleman<T> const& s, Index i0, Index m, T (&x)[B::rows]) {
     T const* const row = s.L + (i0 + i) * s.ld + i0;
-    UNROLLED_8 for (Index j = i + 1; j < B::rows; ++j) x[j] -= x[i] * row[j];
+#pragma GCC unroll 8
+    for (Index j = i + 1; j < B::rows; ++j) x[j] -= x[i] * row[j];
     if constexpr (i + 2 < B::rows)
         if (i + 2 < m) eliminate_in_corner<i + 1, B>(s, i0, m, x);
 }
@@ -216,7 +224,8 @@ template <class B, class T>
         c.divide(D);
         turn.divide(D);
         D.store(s.D + i0), c.store(s.c + i0), turn.store(s.s + i0);
-        UNROLLED_8 for (Index i = 0; i < present.last; ++i) {
+#pragma GCC unroll 8
+        for (Index i = 0; i < present.last; ++i) {
             T* const column = s.L + (i0 + i) * s.ld + i0;
             B t;
             t.load(column);
@@ -249,7 +258,8 @@ template <int i, class B, class T>
     if constexpr (i + 1 < B::rows) {
         if (i + 1 >= m) return;
         T const* const row = s.L + (i0 + i) * s.ld + i0;
-        UNROLLED_8 for (Index j = i + 1; j < B::rows; ++j) x[j] -= u[i] * row[j];
+#pragma GCC unroll 8
+        for (Index j = i + 1; j < B::rows; ++j) x[j] -= u[i] * row[j];
         substitute_in_corner<i + 1, B>(s, i0, m, inverse, x, u);
     }
 }
@@ -258,7 +268,8 @@ template <class B, class S>
     using T = typename B::scalar;
     T x[B::rows], numbers[B::rows], inverse[B::rows];
     row.store(x);
-    UNROLLED_8 for (Index i = 0; i < B::rows; ++i) {
+#pragma GCC unroll 8
+    for (Index i = 0; i < B::rows; ++i) {
         numbers[i] = i < m ? s.L[(i0 + i) * (s.ld + 1)] : T(1);
         inverse[i] = T(1);
     }
@@ -287,7 +298,8 @@ template <class B, class T>
     after.square_root_each();
     T roots[B::rows + 1];  // before_i is the after of the row above it
     roots[0] = root;
-    UNROLLED_8 for (int i = 0; i < B::rows; ++i) roots[i + 1] = after.v[i / B::W][i % B::W];
+#pragma GCC unroll 8
+    for (int i = 0; i < B::rows; ++i) roots[i + 1] = after.v[i / B::W][i % B::W];
     before.put_together(roots);
     root = roots[B::rows];
     B c = before;
@@ -316,7 +328,9 @@ template <class B, class S>
             for (Index i = i0; i < next; ++i) ahead.subtract_product(block_of<B>(s.L + i * s.ld, next), s.u[i]);
             u = substituted(s, next, rows_of<B>(next, s.d).last, ahead);
         }
-        if constexpr (S::writes) UNROLLED_8 for (Index i = 0; i < present.last; ++i) {
+        if constexpr (S::writes)
+#pragma GCC unroll 8
+            for (Index i = 0; i < present.last; ++i) {
                 T* const column = s.L + (i0 + i) * s.ld + i0;
                 B t;
                 t.load(column);

@@ -81,13 +81,18 @@ template <class P, int C, bool change, bool sum, bool own, class T = typename P:
     constexpr int registers = 8 / P::width, fours = (C + 3) / 4;
     B lanes[fours][4];
     T by[C];
-    UNROLLED for (int c = 0; c < C; ++c) by[c] = change ? t[c] : T(0);
-    UNROLLED for (int c = 0; c < 4 * fours; ++c) lanes[c / 4][c % 4].zero();
-    for (Index k = 0; k < n; k += 8) UNROLLED for (int r = 0; r < registers; ++r) {
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c) by[c] = change ? t[c] : T(0);
+#pragma GCC unroll 16
+    for (int c = 0; c < 4 * fours; ++c) lanes[c / 4][c % 4].zero();
+    for (Index k = 0; k < n; k += 8)
+#pragma GCC unroll 16
+        for (int r = 0; r < registers; ++r) {
             typename P::Register x{}, with{};
             if constexpr (change) x = P::load(v + k + r * P::width);
             if constexpr (sum && !own) with = P::load(next + k + r * P::width);
-            UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+            for (int c = 0; c < C; ++c) {
                 T* const at = a + c * ld + k + r * P::width;
                 typename P::Register y = P::load(at);
                 if constexpr (change) P::store(at, y = y - by[c] * x);
@@ -97,8 +102,10 @@ template <class P, int C, bool change, bool sum, bool own, class T = typename P:
         }
     if constexpr (sum) {
         T sums[4 * fours];
-        UNROLLED for (int f = 0; f < fours; ++f) B::sums(lanes[f], sums + 4 * f);
-        UNROLLED for (int c = 0; c < C; ++c) s[c] = sums[c];
+#pragma GCC unroll 16
+        for (int f = 0; f < fours; ++f) B::sums(lanes[f], sums + 4 * f);
+#pragma GCC unroll 16
+        for (int c = 0; c < C; ++c) s[c] = sums[c];
     }
 }
 /// The pass over the columns from j on, after reflection q (none for q < 0), with the products with column q + 1.
@@ -146,13 +153,15 @@ template <class P, class T>
     constexpr int side = P::width == 2 ? 2 : 4;
     typedef T Part __attribute__((vector_size(side * sizeof(T))));
     typedef T PartAnywhere __attribute__((vector_size(side * sizeof(T)), aligned(alignof(T)), may_alias));
-    for (Index k = 0; k < n; k += side) UNROLLED for (int q = 0; q < 8; q += side) {
+    for (Index k = 0; k < n; k += side)
+#pragma GCC unroll 4
+        for (int q = 0; q < 8; q += side) {
             Part square[side];
-            UNROLLED for (int i = 0; i < side; ++i) square[i] =
-                *reinterpret_cast<PartAnywhere const*>(x + (q + i) * ld + k);
+#pragma GCC unroll 4
+            for (int i = 0; i < side; ++i) square[i] = *reinterpret_cast<PartAnywhere const*>(x + (q + i) * ld + k);
             turn_square(square);
-            UNROLLED for (int i = 0; i < side; ++i) * reinterpret_cast<PartAnywhere*>(out + (k + i) * 8 + q) =
-                square[i];
+#pragma GCC unroll 4
+            for (int i = 0; i < side; ++i) *reinterpret_cast<PartAnywhere*>(out + (k + i) * 8 + q) = square[i];
         }
 }
 
@@ -161,17 +170,25 @@ template <class P, int C, class T>
 [[gnu::always_inline]] inline void products(T const* V, T const* a, Index ld, Index n, T (&w)[C][8]) {
     constexpr int registers = 8 / P::width;
     typename P::Register sum[C][registers];
-    UNROLLED for (int c = 0; c < C; ++c) UNROLLED for (auto& r : sum[c]) r = typename P::Register{};
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c)
+#pragma GCC unroll 16
+        for (auto& r : sum[c]) r = typename P::Register{};
     for (Index k = 0; k < n; ++k) {
         typename P::Register v[registers];
-        UNROLLED for (int r = 0; r < registers; ++r) v[r] = P::load(V + 8 * k + r * P::width);
-        UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+        for (int r = 0; r < registers; ++r) v[r] = P::load(V + 8 * k + r * P::width);
+#pragma GCC unroll 16
+        for (int c = 0; c < C; ++c) {
             T const x = a[c * ld + k];
-            UNROLLED for (int r = 0; r < registers; ++r) sum[c][r] = sum[c][r] + v[r] * x;
+#pragma GCC unroll 16
+            for (int r = 0; r < registers; ++r) sum[c][r] = sum[c][r] + v[r] * x;
         }
     }
-    UNROLLED for (int c = 0; c < C; ++c) UNROLLED for (int r = 0; r < registers; ++r)
-        P::store(w[c] + r * P::width, sum[c][r]);
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c)
+#pragma GCC unroll 16
+        for (int r = 0; r < registers; ++r) P::store(w[c] + r * P::width, sum[c][r]);
 }
 
 /// (3) to (5) for C columns from j on; then for the others, C by C, then fewer.
@@ -185,26 +202,37 @@ template <class P, int C, class T>
         products<P, C>(h.V, panel.column(j), h.ld, n, t);
         for (int c = 0; c < C; ++c) {
             Register w[registers];
-            UNROLLED for (int m = 0; m < registers; ++m) w[m] = P::load(t[c] + m * P::width);
-            UNROLLED for (int q = 0; q < 8; ++q) {
+#pragma GCC unroll 16
+            for (int m = 0; m < registers; ++m) w[m] = P::load(t[c] + m * P::width);
+#pragma GCC unroll 16
+            for (int q = 0; q < 8; ++q) {
                 T& r = panel.above(q, j + c);
                 T const by = panel.beta[q] * (panel.pivot[q] * r + w[q / P::width][q % P::width]);
                 r -= by * panel.pivot[q];
                 t[c][q] = by;
-                UNROLLED for (int m = q / P::width; m < registers; ++m) w[m] = w[m] - by * P::load(G[q] + m * P::width);
+#pragma GCC unroll 16
+                for (int m = q / P::width; m < registers; ++m) w[m] = w[m] - by * P::load(G[q] + m * P::width);
             }
         }
         T const* const v = panel.column(0);
         for (Index k = 0; k < n; k += 8) {
             Register a[C][registers];
-            UNROLLED for (int c = 0; c < C; ++c) UNROLLED for (int r = 0; r < registers; ++r) a[c][r] =
-                P::load(panel.column(j + c) + k + r * P::width);
-            UNROLLED for (int q = 0; q < 8; ++q) UNROLLED for (int r = 0; r < registers; ++r) {
-                Register const x = P::load(v + q * h.ld + k + r * P::width);
-                UNROLLED for (int c = 0; c < C; ++c) a[c][r] = a[c][r] - t[c][q] * x;
-            }
-            UNROLLED for (int c = 0; c < C; ++c) UNROLLED for (int r = 0; r < registers; ++r)
-                P::store(panel.column(j + c) + k + r * P::width, a[c][r]);
+#pragma GCC unroll 16
+            for (int c = 0; c < C; ++c)
+#pragma GCC unroll 16
+                for (int r = 0; r < registers; ++r) a[c][r] = P::load(panel.column(j + c) + k + r * P::width);
+#pragma GCC unroll 16
+            for (int q = 0; q < 8; ++q)
+#pragma GCC unroll 16
+                for (int r = 0; r < registers; ++r) {
+                    Register const x = P::load(v + q * h.ld + k + r * P::width);
+#pragma GCC unroll 16
+                    for (int c = 0; c < C; ++c) a[c][r] = a[c][r] - t[c][q] * x;
+                }
+#pragma GCC unroll 16
+            for (int c = 0; c < C; ++c)
+#pragma GCC unroll 16
+                for (int r = 0; r < registers; ++r) P::store(panel.column(j + c) + k + r * P::width, a[c][r]);
         }
     }
     if constexpr (C > 1) reach_columns<P, C / 2>(panel, G, n, j);

@@ -50,25 +50,37 @@ template <class P, int C, class T = typename P::scalar>
     }
     constexpr int registers = 8 / P::width;
     typename P::Sum sum[C][registers];
-    UNROLLED for (int c = 0; c < C; ++c) UNROLLED for (int r = 0; r < registers; ++r) sum[c][r] =
-        P::load(v + r * P::width) * P::load(a[c] + r * P::width);
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c)
+#pragma GCC unroll 16
+        for (int r = 0; r < registers; ++r) sum[c][r] = P::load(v + r * P::width) * P::load(a[c] + r * P::width);
     Index k = 8;
-    for (; k + 8 <= n; k += 8) UNROLLED for (int r = 0; r < registers; ++r) {
+    for (; k + 8 <= n; k += 8)
+#pragma GCC unroll 16
+        for (int r = 0; r < registers; ++r) {
             typename P::Register const x = P::load(v + k + r * P::width);
-            UNROLLED for (int c = 0; c < C; ++c) sum[c][r] += x * P::load(a[c] + k + r * P::width);
+#pragma GCC unroll 16
+            for (int c = 0; c < C; ++c) sum[c][r] += x * P::load(a[c] + k + r * P::width);
         }
-    UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c) {
         alignas(64) Accumulator<T> lane[8];
         if (k < n) {  // the last few numbers go to the first few lanes
-            UNROLLED for (int r = 0; r < registers; ++r) P::store(lane + r * P::width, sum[c][r]);
+#pragma GCC unroll 16
+            for (int r = 0; r < registers; ++r) P::store(lane + r * P::width, sum[c][r]);
             for (Index i = 0; k + i < n; ++i) lane[i] += v[k + i] * a[c][k + i];
-            UNROLLED for (int r = 0; r < registers; ++r) sum[c][r] = P::load(lane + r * P::width);
+#pragma GCC unroll 16
+            for (int r = 0; r < registers; ++r) sum[c][r] = P::load(lane + r * P::width);
         }
-        UNROLLED for (int half = registers / 2; half >= 1; half /= 2) UNROLLED for (int r = 0; r < half; ++r)
-            sum[c][r] += sum[c][r + half];
+#pragma GCC unroll 16
+        for (int half = registers / 2; half >= 1; half /= 2)
+#pragma GCC unroll 16
+            for (int r = 0; r < half; ++r) sum[c][r] += sum[c][r + half];
         P::store(lane, sum[c][0]);
-        UNROLLED for (int half = P::width / 2; half >= 1; half /= 2) UNROLLED for (int i = 0; i < half; ++i) lane[i] +=
-            lane[i + half];
+#pragma GCC unroll 16
+        for (int half = P::width / 2; half >= 1; half /= 2)
+#pragma GCC unroll 16
+            for (int i = 0; i < half; ++i) lane[i] += lane[i + half];
         out[c] = lane[0];
     }
 }
@@ -78,23 +90,30 @@ template <class P, int C, class T = typename P::scalar>
 [[gnu::always_inline]] inline void reflect_columns(Reflection<T> const& h, Index j) {
     T *a[C], *above[C];
     T const* read[C];
-    UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c) {
         read[c] = a[c] = h.A + (j + c) * h.ld;
         above[c] = j + c + 1 < h.columns ? h.above + j + c : h.last;
     }
     T t[C];
     dots<P, C>(h.v, read, h.rows, t);
-    UNROLLED for (int c = 0; c < C; ++c) {
+#pragma GCC unroll 16
+    for (int c = 0; c < C; ++c) {
         t[c] = h.tau * (*above[c] + t[c]);
         *above[c] -= t[c];
         t[c] = -t[c];
     }
     Index k = 0;
-    for (; k + 8 <= h.rows; k += 8) UNROLLED for (int r = 0; r < 8; r += P::width) {
+    for (; k + 8 <= h.rows; k += 8)
+#pragma GCC unroll 16
+        for (int r = 0; r < 8; r += P::width) {
             typename P::Register const x = P::load(h.v + k + r);
-            UNROLLED for (int c = 0; c < C; ++c) P::store(a[c] + k + r, P::load(a[c] + k + r) + t[c] * x);
+#pragma GCC unroll 16
+            for (int c = 0; c < C; ++c) P::store(a[c] + k + r, P::load(a[c] + k + r) + t[c] * x);
         }
-    for (; k < h.rows; ++k) UNROLLED for (int c = 0; c < C; ++c) a[c][k] += t[c] * h.v[k];
+    for (; k < h.rows; ++k)
+#pragma GCC unroll 16
+        for (int c = 0; c < C; ++c) a[c][k] += t[c] * h.v[k];
 }
 
 template <class P, class T>
@@ -123,6 +142,7 @@ template <class P, class T>
 [[gnu::always_inline]] inline void evaluate(Division<T> const& s) {
     Index k = 0;
     for (; k + 8 <= s.rows; k += 8)
-        UNROLLED for (int r = 0; r < 8; r += P::width) P::store(s.v + k + r, P::load(s.v + k + r) / s.pivot);
+#pragma GCC unroll 16
+        for (int r = 0; r < 8; r += P::width) P::store(s.v + k + r, P::load(s.v + k + r) / s.pivot);
     for (; k < s.rows; ++k) s.v[k] /= s.pivot;
 }

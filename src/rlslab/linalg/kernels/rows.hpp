@@ -13,23 +13,28 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
     using Block::add_product, Block::registers, Block::rows, Block::scale, Block::subtract_product, Block::v, Block::W;
 
     [[gnu::always_inline]] void add_product(Abreast const& a, Abreast const& b) {
-        EACH_REGISTER v[m] = v[m] + a.v[m] * b.v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] void subtract_product(Abreast const& a, Abreast const& b) {
-        EACH_REGISTER v[m] = v[m] - a.v[m] * b.v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] friend Abreast const& conjugate(Abreast const& a) { return a; }  // of real numbers
     /// Row r takes number q - r of the `count` numbers at x + r ld, or 0 where there is none; put together in
     /// registers: narrow stores do not forward to a wide load.
     [[gnu::always_inline]] void gather(T const* x, Index ld, int q, int count) {
-        EACH_REGISTER
-        v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m)
+            v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
     }
     /// Row r takes row r - 1's number, the first row takes `first`.
     [[gnu::always_inline]] void pass_on(T first) {
         V before;  // not 0 + first, which is another number for -0
-        UNROLLED for (int i = 0; i < W; ++i) before[i] = first;
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int i = 0; i < W; ++i) before[i] = first;
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             V const here = v[m];
             v[m] = shifted(before, here, std::make_integer_sequence<int, W>());
             before = here;
@@ -43,31 +48,40 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
     };
     [[gnu::always_inline]] static Where within(RowRange p) {
         Where out;
-        EACH_REGISTER {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
             Mask row;
-            UNROLLED for (int i = 0; i < W; ++i) row[i] = Word(m * W + i);
+#pragma GCC unroll 16
+            for (int i = 0; i < W; ++i) row[i] = Word(m * W + i);
             out.in[m] = (row >= Mask{} + Word(p.first)) & (row < Mask{} + Word(p.last));
         }
         return out;
     }
     [[gnu::always_inline]] Where zeros() const {
         Where out;
-        EACH_REGISTER out.in[m] = v[m] == V{};
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) out.in[m] = v[m] == V{};
         return out;
     }
     /// The number where the condition holds, a elsewhere; and the other way round.
     [[gnu::always_inline]] void only(Where const& here, Abreast const& a) {
-        EACH_REGISTER v[m] = here.in[m] ? v[m] : a.v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = here.in[m] ? v[m] : a.v[m];
     }
     [[gnu::always_inline]] void replace(Where const& there, Abreast const& a) {
-        EACH_REGISTER v[m] = there.in[m] ? a.v[m] : v[m];
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) v[m] = there.in[m] ? a.v[m] : v[m];
     }
-    [[gnu::always_inline]] void fill(T a) { EACH_V r = V{} + a; }
+    [[gnu::always_inline]] void fill(T a) {
+#pragma GCC unroll 16
+        for (V& r : v) r = V{} + a;
+    }
     /// Whether every number lies above `least` and is finite, but for the rows `aside`.
     [[gnu::always_inline]] bool in_range(T least, Where const& aside) const {
         Mask out = Mask{} - 1;
-        EACH_REGISTER
-        out = out & (aside.in[m] | ((V{} + least < v[m]) & (v[m] <= V{} + std::numeric_limits<T>::max())));
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m)
+            out = out & (aside.in[m] | ((V{} + least < v[m]) & (v[m] <= V{} + std::numeric_limits<T>::max())));
         return holds_in_all<T>(out);
     }
 
@@ -141,7 +155,8 @@ struct Corner {
         constexpr int numbers = std::min(B::rows, steps - n);
         T* const from = k.L + (i0 + std::min<Index>(n, m - 1)) * k.ld + i0 +
                         n;  // behind the last column it is no matter what is read
-        UNROLLED for (int j = 0; j < numbers; ++j) column[j].pass_on(n + j < B::rows ? from[j] : T(0));
+#pragma GCC unroll 16
+        for (int j = 0; j < numbers; ++j) column[j].pass_on(n + j < B::rows ? from[j] : T(0));
         z.pass_on(n < B::rows ? k.z[i0 + n] : T(0));
         auto const turning = R::within({n - m + 1, n + 1});
         R a = column[0], b = x[n], turn_c, turn_s, keep;
@@ -149,7 +164,8 @@ struct Corner {
         keep.zero();
         b.only(turning, keep);
         givens(a, b, turn_c, turn_s, column[0]);
-        UNROLLED for (int j = 1; j < numbers; ++j) {
+#pragma GCC unroll 16
+        for (int j = 1; j < numbers; ++j) {
             keep = x[n + j];
             rotate(column[j], x[n + j], k.root_lambda, turn_c, turn_s);
             if (n + 1 < count) x[n + j].only(turning, keep);
@@ -160,7 +176,8 @@ struct Corner {
         turn_c.store(c[n]), turn_s.store(s[n]);
         if constexpr (n >= count - 1) {
             T* const to = k.L + (i0 + n - (count - 1)) * (k.ld + 1);
-            UNROLLED for (int j = 0; j < numbers; ++j) to[j] = column[j].last();
+#pragma GCC unroll 16
+            for (int j = 0; j < numbers; ++j) to[j] = column[j].last();
             k.z[i0 + n - (count - 1)] = z.last();
         }
         if constexpr (n + 1 < steps)
@@ -169,7 +186,8 @@ struct Corner {
     [[gnu::always_inline]] void finish(RotateInRows<T> const& k, Index i0, Index m) {
 #pragma GCC unroll 32
         for (int q = 0; q < steps; ++q) x[q].gather(k.x + i0, k.ld, q, B::rows);
-        UNROLLED for (R& number : column) number.zero();
+#pragma GCC unroll 16
+        for (R& number : column) number.zero();
         z.zero();
         eta.load(k.eta);
         advance<0>(k, i0, m);
@@ -183,15 +201,18 @@ struct Corner {
     /// The corner's rotations, applied to block j0 below it.
     [[gnu::always_inline]] void apply(RotateInRows<T> const& k, Index i0, Index j0) const {
         B below[count];
-        UNROLLED for (int r = 0; r < count; ++r) below[r].load(k.x + r * k.ld + j0);
+#pragma GCC unroll 16
+        for (int r = 0; r < count; ++r) below[r].load(k.x + r * k.ld + j0);
         for (int i = 0; i < B::rows; ++i) {
             T* const here = k.L + (i0 + i) * k.ld + j0;
             B t;
             t.load(here);
-            UNROLLED for (int r = 0; r < count; ++r) rotate(t, below[r], k.root_lambda, cosine(r, i), sine(r, i));
+#pragma GCC unroll 16
+            for (int r = 0; r < count; ++r) rotate(t, below[r], k.root_lambda, cosine(r, i), sine(r, i));
             t.store(here);
         }
-        UNROLLED for (int r = 0; r < count; ++r) below[r].store(k.x + r * k.ld + j0);
+#pragma GCC unroll 16
+        for (int r = 0; r < count; ++r) below[r].store(k.x + r * k.ld + j0);
     }
 };
 

@@ -91,7 +91,8 @@ template <int P, class B, int K, class S>
     for (Index j = j0; j < j1; ++j) {
         auto* const column = s.A + j * s.ld + i0;
         auto const at = s.at(j);
-        UNROLLED for (int m = 0; m < P; ++m) {
+#pragma GCC unroll 16
+        for (int m = 0; m < P; ++m) {
             B t;
             t.load(column + m * B::rows);
             step(s, at, t, w[m]);
@@ -112,7 +113,8 @@ template <class B, int K, Sweep S>
 [[gnu::always_inline]] inline void rows(S const& s, Index i0) {
     B w[K];
     Index j0 = 0;
-    UNROLLED for (int m = 0; m < K; ++m) {
+#pragma GCC unroll 16
+    for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
         if constexpr (S::starts == Start::column) {
             w[m].load(s.w + i);
@@ -126,7 +128,9 @@ template <class B, int K, Sweep S>
     }
     if constexpr (S::upper) staircase<1>(s, w, i0);
     else columns<K>(s, w, i0, j0, s.d);
-    if constexpr (S::starts != Start::column) UNROLLED for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
+    if constexpr (S::starts != Start::column)
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
 }
 
 // What a pass does besides with the block m of column j that it leaves: nothing, or the sum over the columns that
@@ -146,7 +150,8 @@ struct SumOfColumns {
     }
     [[gnu::always_inline]] void add(int m, B const& t, Index j) { sum[m].add_product(t, x[j]); }
     [[gnu::always_inline]] void store(T* to) const {
-        UNROLLED for (int m = 0; m < K; ++m) sum[m].store(to + m * B::rows);
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) sum[m].store(to + m * B::rows);
     }
 };
 
@@ -154,10 +159,12 @@ template <class B, int K, Sweep S>
 [[gnu::always_inline]] inline void rows(ThenMultiply<S> const& s, Index i0) {
     B w[K];
     SumOfColumns<B, K, typename B::scalar> product(s.x);
-    UNROLLED for (int m = 0; m < K; ++m) w[m].load(s.w + i0 + m * B::rows);
+#pragma GCC unroll 16
+    for (int m = 0; m < K; ++m) w[m].load(s.w + i0 + m * B::rows);
     for (Index j = 0; j < s.d; ++j) {
         auto* const column = s.A + j * s.ld + i0;
-        UNROLLED for (int m = 0; m < K; ++m) {
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) {
             B t;
             t.load(column + m * B::rows);
             step(s, s.at(j), t, w[m]);
@@ -172,14 +179,16 @@ template <class B, int K, Sweep S>
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractRankTwo<T> const& s, Index i0) {
     B x[K], g[K];
-    UNROLLED for (int m = 0; m < K; ++m) {
+#pragma GCC unroll 16
+    for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
         x[m].load(s.x + i);
         g[m].load(s.g + i);
     }
     for (Index j = 0; j < s.d; ++j) {
         T const xj = conjugate(s.x[j]), gj = conjugate(s.g[j]);
-        UNROLLED for (int m = 0; m < K; ++m) {
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) {
             T* const here = s.A + j * s.ld + i0 + m * B::rows;
             B t, both = x[m];
             t.load(here);
