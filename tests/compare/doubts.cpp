@@ -183,6 +183,11 @@ TEST_F(CompareTimes, GapsAndDoublesAndOrderAreSeenAndMended) {
     EXPECT_NE(theta("dropped.csv"), theta("emptied.csv"));
     EXPECT_EQ(theta("dropped.csv --time t"), theta("emptied.csv"));
     EXPECT_EQ(theta("emptied.csv --time t"), theta("emptied.csv"));
+    auto const identified = [&](std::string const& file) {
+        json out = answer("identify " + file + model);
+        return json{out["parameters"], out["samples"], out["warnings"], out["fit"]};
+    };
+    EXPECT_EQ(identified("dropped.csv --time t"), identified("emptied.csv"));
     EXPECT_THAT(shell("rlslab compare dropped.csv" + std::string(model) + "--time t --variants ud").out,
                 HasSubstr(fmt::format("between the {}", dropped.size())));
     for (char const* const name : {"all.csv", "doubled.csv", "backward.csv", "shuffled.csv"}) {
