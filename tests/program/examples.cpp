@@ -20,7 +20,7 @@ TEST_F(Program, PrintsItsExamplesAsTheirFiles) {
         Outcome const printed = shell("rlslab example " + name);
         EXPECT_EQ(printed.code, 0) << printed.err;
         int found = 0;
-        for (char const* place : {"data", "studies/data/nist", "studies/data/examples"})
+        for (char const* place : {"studies/data", "studies/data/nist", "studies/data/examples"})
             if (fs::path const path = fs::path(root) / place / file; fs::exists(path)) {
                 EXPECT_EQ(printed.out, read(path)) << name;
                 ++found;
