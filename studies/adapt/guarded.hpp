@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/catalogue/native/compose.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/core/input_error.hpp>
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ class GuardedFilter {
     static AnyAdaptive<T> made(std::string_view variant, std::string_view policy, Problem<double> const& problem,
                                double innovation) {
         return composed_around<T>({.guard = policy == "none" ? "" : std::string(policy)}, {.innovation = innovation},
-                                  variant, problem.mapped<T>([](double x) { return T(x); }));
+                                  variant, problem_as<T>(problem));
     }
     static decltype(filter_) made(std::string_view variant, std::string_view arithmetic, std::string_view policy,
                                   Problem<double> const& problem, double innovation) {
@@ -38,9 +39,8 @@ public:
     GuardSignal update(Regressor<double> psi, double y) {
         return std::visit(
             [&]<class T>(AnyAdaptive<T>& f) {
-                Vector<T> row(psi.size());
-                for (Index i = 0; i < row.size(); ++i) row[i] = T(psi[i]);
-                f.update(row, T(y));
+                Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
+                f.update(row, round_to<T>(y));
                 return f.signal();
             },
             filter_);

@@ -2,6 +2,7 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 
 #include "tests/adapt/adapt.hpp"
+#include "tests/common/same.hpp"
 
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
@@ -10,8 +11,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
-
-#include <bit>
 
 namespace rlslab {
 namespace {
@@ -216,11 +215,6 @@ TEST(Weighted, TellsAGuardWhichRowsAreNoisy) {
 
 // --- several outputs -------------------------------------------------------------------------------------------------
 
-bool same(Step<double> const& a, Step<double> const& b) {
-    auto const bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
-    return bits(a.innovation) == bits(b.innovation) && bits(a.residual) == bits(b.residual) &&
-           bits(a.gamma) == bits(b.gamma) && a.health == b.health;
-}
 /// One gain, but that of the row before.
 template <class F>
 struct GainOfBefore {

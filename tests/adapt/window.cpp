@@ -42,11 +42,6 @@ F fresh(Problem<typename F::scalar> const& problem, Records const& records, int 
     for (int k = end - rows; k < end; ++k) take(f, records, k);
     return f;
 }
-template <class F>
-bool same(F const& a, F const& b) {
-    auto const x = a.stored(), y = b.stored();
-    return x.F == y.F && x.D == y.D && a.theta() == b.theta();
-}
 
 // --- the bits --------------------------------------------------------------------------------------------------------
 
@@ -60,8 +55,8 @@ void check_refactored(Problem<double> const& problem) {
         int const rows = std::min(k + 1, W);
         EXPECT_EQ(w.rows(), rows);
         if (w.refactored() == before) continue;
-        EXPECT_TRUE(same(w.filter(), fresh<F>(problem, records, k + 1, rows))) << F::name << k;
-        EXPECT_TRUE(k <= W || !same(w.filter(), fresh<F>(problem, records, k + 1, W - 1))) << F::name << k;
+        EXPECT_TRUE(identical(w.filter(), fresh<F>(problem, records, k + 1, rows))) << F::name << k;
+        EXPECT_TRUE(k <= W || !identical(w.filter(), fresh<F>(problem, records, k + 1, W - 1))) << F::name << k;
     }
     EXPECT_GE(w.refactored(), 200 / 7);
 }
@@ -80,7 +75,7 @@ TEST(Windowed, ForgetsARowThatIsNotFinite) {
         Step<double> const step = take(w, records, k);
         EXPECT_EQ(w.spoilt(), k >= 50 && k < 53 + W) << k;
         EXPECT_TRUE(k != 50 || step.health == Health::nonfinite);
-        EXPECT_TRUE(k != 53 + W || same(w.filter(), fresh<Ud<double, d>>(problem, records, k + 1)));
+        EXPECT_TRUE(k != 53 + W || identical(w.filter(), fresh<Ud<double, d>>(problem, records, k + 1)));
         EXPECT_TRUE(k <= 53 + W || step.health == Health::sound) << k;
     }
 }

@@ -25,26 +25,6 @@ protected:
     }
 };
 
-TEST_F(ComposedCommand, RefusesWhatMakesNoSense) {
-    refused(sales + "--control fortescu", "--control fortescu fortescue");
-    refused(sales + "--control \"\"", "--control");
-    refused(sales + "--guard rest", "--guard rest reset");
-    refused(sales + "--window 0", "--window");
-    refused(sales + "--window 1.5", "--window");
-    refused(sales + "--window 60 --control kulhavy", "--control --window");
-    refused(sales + "--guard hand_over", "--guard hand_over report reset rebuild");
-    refused(sales + "--control random_walk", "--control random_walk:VARIANCE");
-    refused(sales + "--control random_walk:nan", "--control random_walk VARIANCE 0 nan");
-    refused(sales + "--control random_walk:1e999", "random_walk VARIANCE 1e999");
-    refused(sales + "--control kulhavy:1.5", "--control kulhavy LAMBDA 0 1 1.5");
-    refused(sales + "--control kulhavy:0.9:0:1", "--control kulhavy[:LAMBDA[:EXCITATION]]");
-    refused(sales + "--control reset:2.5", "--control reset PERIOD 1 10000000 2.5");
-    refused(sales + "--control reset:", "reset PERIOD");
-    refused(sales + "--control ridge", "--control ridge --forgetting 1");
-    refused(sales + "--window 60 --arithmetic bfloat16", "--control --window --guard bfloat16");
-    refused(sales + "--window 60 --all", "--all --control --window --guard");
-    refused(sales + "--guard reset --variants kalman", "kalman");
-}
 TEST_F(ComposedCommand, SaysWhatItsDigitsAreComparedWith) {
     json const window = compared("--window 60 --guard reset");
     EXPECT_EQ(window["composition"]["text"], "window of 60 rows; guard reset");
@@ -166,8 +146,6 @@ TEST_F(ComposedIdentify, WritesARowForEachRow) {
     EXPECT_TRUE(csv.find("\n1200,") != std::string::npos);
     EXPECT_EQ(shell("rlslab identify data.csv --input u --output y --order 1 --variant kalman --control constant").code,
               0);
-    refused("identify data.csv --input u --output y --order 1 --variant kalman --window 9", "--variant kalman");
-    refused("identify data.csv --input u --output y --order 1 --control nothing", "--control nothing");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Comparing twins, and their rows.
 #include "tests/common/twins.hpp"
+#include "tests/common/same.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -29,9 +30,6 @@ std::vector<double> Left::of(std::string_view name) const {
 }
 
 namespace {
-bool same(double a, double b) {
-    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
-}
 struct Place {
     std::string name, values;
 };

@@ -213,13 +213,7 @@ TEST_F(Program, AnswersDigitsInTextAndJsonWithCodeThatSaysSo) {
     EXPECT_THAT(text.out, Not(HasSubstr("\nin float  "))) << "one answer";
     EXPECT_THAT(text.out, HasSubstr("float, of 7.2"));
     EXPECT_EQ(std::count(text.out.begin(), text.out.end(), '*'), 1) << "the row of the answer";
-    for (char const* const other : {"--window 20", "--guard reset", "--control reset:20", "--p0 1", "--csv"})
-        refused("compare sales.csv" + words + "--digits 2 " + other, "--digits");
-    refused("advise sales.csv" + words + "--digits 2", "--digits N");
     EXPECT_EQ(shell("rlslab compare sales.csv" + words + "--digits 25").code, 1);
-    refused("compare sales.csv" + words + "--digits 0", "--digits 0.5 30");
-    refused("compare sales.csv" + words + "--digits 2 --arithmetic flaot", "float");
-    refused("compare sales.csv --output sales", "--input");
     write("wide.csv", "a,y\n" + rows(40, [](int k) { return std::to_string(k * 5 % 13) + "e30"; }));
     Outcome const wide =
         shell("rlslab compare wide.csv --regressors a --output y --arithmetic float --detrend --digits 2");

@@ -114,7 +114,7 @@ TEST(Draws, AreFewerForLongRecords) {
     EXPECT_EQ(most_draws(1 << 13), 16u);
     EXPECT_EQ(most_draws(1 << 15), 4u);
     EXPECT_EQ(most_draws((1 << 16) + 1), 1u);
-    EXPECT_EQ(most_draws(1, {.draws = 3}), 3u);
+    EXPECT_EQ(most_draws(1, {.composition = {.window = 9}}), 1u);
 }
 TEST(Draws, AreTakenUntilWhatIsNamedIsClear) {
     for (double const lambda : {1.0, 0.98}) {

@@ -406,11 +406,6 @@ TEST(RowOrders, AreTheRecordsAndThreePermutationsOrOneWithForgetting) {
     for (int const n : first) EXPECT_NEAR(n, 120, 40);
 }
 
-TEST(Code, NamesTheClassOfEveryVariant) {
-    EXPECT_EQ(class_of("ud"), "Ud");
-    EXPECT_EQ(class_of("conventional_two_sided"), "ConventionalTwoSided");
-    EXPECT_EQ(class_of("inverse_qr"), "InverseQr");
-}
 TEST(Code, IsForTheShortestArithmeticOfTheHardwareThatHasARecommendation) {
     Made m;
     Comparison c = m.comparison();

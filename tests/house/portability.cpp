@@ -78,7 +78,7 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
 TEST(Options, OfAnOlderLanguageGetOneMessage) {
     files::Folder const folder;
     for (std::string const header : {"core/scalar.hpp", "core/random.hpp", "input/bytes.hpp", "model/lags.hpp",
-                                     "src/catalogue/native/filter.hpp", "rlslab.hpp"}) {
+                                     "catalogue/native/filter.hpp", "rlslab.hpp"}) {
         std::string const app = folder.file("#include <rlslab/" + header + ">\n", "app.cpp");
         for (std::string const& compiler : compilers())
             for (char const* language : {"11", "17"}) {

@@ -1,6 +1,7 @@
-// The costs in the tables of README and docs/compare.md, and in the variants' docstrings, are those that the Counted
-// scalar measures.
+// The tables of README and docs/compare.md: costs there, and in the docstrings of variants, are those that the Counted
+// scalar measures; what README has to use is what compare shows.
 #include <rlslab/catalogue/catalogue.hpp>
+#include "src/lab/compare/words.hpp"
 
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/variants/information.hpp>
@@ -52,6 +53,16 @@ TEST(Readme, TheTablesOfVariantsAreMeasured) {
                 << "expected in docs/compare.md the row\n"
                 << long_row(entry);
         }
+}
+/// The text of compare shows those that README has to use, and no others.
+TEST(Readme, TheFirstTableIsWhatCompareShows) {
+    std::string const readme = text_of("/README.md");
+    size_t const ten = readme.find("\nTen to use"), rest = readme.find("\nThe rest, for studies");
+    ASSERT_TRUE(ten < rest && rest != readme.npos);
+    for (CatalogueEntry const* const entry : one_entry_each()) {
+        size_t const row = readme.find("\n| `" + std::string(entry->variant) + "` |", ten);
+        EXPECT_EQ(compare::is_shown({}, entry->variant), ten < row && row < rest) << entry->variant;
+    }
 }
 /// What a reader takes in at once.
 TEST(Readme, IsOnePage) {

@@ -24,10 +24,11 @@ std::vector<std::string> const rooms{"src/rlslab", "src/catalogue", "src/lab",  
 std::map<std::string, long> counted() {
     std::map<std::string, long> out;
     for (std::string const& room : rooms)
-        for (auto const& file : fs::recursive_directory_iterator(root / room)) {
-            std::string const kind = file.path().extension();
+        for (fs::recursive_directory_iterator at(root / room), end; at != end; ++at) {
+            if (fs::exists(at->path() / "CMakeCache.txt")) at.disable_recursion_pending();  // built there
+            std::string const kind = at->path().extension();
             if (!std::set<std::string>{".cpp", ".hpp", ".h", ".inc", ".cu"}.contains(kind)) continue;
-            std::ifstream text(file.path());
+            std::ifstream text(at->path());
             out[room] += std::count(std::istreambuf_iterator<char>(text), {}, '\n');
             out["compilations"] += kind == ".cpp" || kind == ".cu";
         }

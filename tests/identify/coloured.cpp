@@ -1,13 +1,10 @@
 // Coloured residuals: what a noise model and instruments say of records whose parameters are known.
+#include "tests/identify/said.hpp"
 #include "src/lab/identify/coloured.hpp"
-#include "src/lab/identify/noise_limit.hpp"
-#include "tests/identify/options.hpp"
 
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/variants/ud.hpp>
-
-#include <cmath>
 
 namespace rlslab {
 using namespace identify;
@@ -15,7 +12,6 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 
 constexpr double a1 = -1.5, a2 = 0.7, b1 = 1, b2 = 0.5;
@@ -28,25 +24,17 @@ Signal moving_average(Signal const& e, std::vector<double> const& c, double scal
     }
     return out;
 }
-/// u and y of y[k] + a1 y[k-1] + a2 y[k-2] = b1 u[k-1] + b2 u[k-2] + C e.
-std::vector<Signal> record(Index N, std::uint64_t seed, std::vector<double> const& c, double noise = 0.5) {
-    Signal const u = white_noise(N, Seed{seed});
-    return {u, simulate({.a = {a1, a2}, .b = {{0, b1, b2}}, .delay = 0, .c = 0}, {u},
-                        moving_average(white_noise(N, Seed{seed + 1000}), c, noise))};
+/// y[k] + a1 y[k-1] + a2 y[k-2] = b1 u[k-1] + b2 u[k-2] + C e.
+Data record(Index N, std::uint64_t seed, std::vector<double> const& c, double noise = 0.5) {
+    return simulated({a1, a2}, {0, b1, b2}, white_noise(N, Seed{seed}),
+                     moving_average(white_noise(N, Seed{seed + 1000}), c, noise));
 }
 
 class Coloured : public Options {
 protected:
-    /// NaN: an empty cell.
-    std::string file_of(std::vector<Signal> const& columns, std::string const& header = "u,y") const {
-        std::string text = csv(columns, header);
-        for (size_t at; (at = text.find("nan")) != text.npos;) text.erase(at, 3);
-        return folder.file(text);
-    }
-    Identified of(std::vector<Signal> const& columns, IdentifyOptions options) const {
-        options.inputs = {"u"}, options.output = "y";
-        if (!options.na) options.na = 2, options.nb = {1}, options.delay = {1};
-        return identify::identify(file_of(columns), options);
+    Identified of(Data const& record, IdentifyOptions options) const {
+        options.na = 2, options.nb = {1}, options.delay = {1};
+        return run(options, record);
     }
 };
 double z(CuredParameter const& p, double truth) { return std::abs(p.value - truth) / p.sd; }
@@ -97,15 +85,15 @@ TEST_F(Coloured, TheDeviationsAreThoseOfManyRecords) {
 
 /// Rows by hand, with the filters of the library: the same bits, also where values are missing.
 TEST_F(Coloured, IsTheLibrarysFiltersBitForBit) {
-    std::vector<Signal> data = record(600, 5, {0.6});
-    data[0][50] = data[1][120] = data[1][121] = data[0][300] = NAN;
+    Data data = record(600, 5, {0.6});
+    Signal &u = data.columns[0], &y = data.columns[1];
+    u[50] = y[120] = y[121] = u[300] = NAN;
     Identified const m = of(data, {.detrend = false, .noise_model = 2, .instruments = 3});
     EXPECT_EQ(m.skipped, 2 * 2 + 4);
     Matrix<double> P0 = Matrix<double>::Zero(6, 6);
     for (Index i = 0; i < 4; ++i) P0(i, i) = (m.c / m.scales[size_t(i)]) * (m.c / m.scales[size_t(i)]);
     P0(4, 4) = P0(5, 5) = 1 / m.sigma2;
     Matrix<double> const of_equation = P0.topLeftCorner(4, 4);
-    Signal const &u = data[0], &y = data[1];
     ExtendedLeastSquares<Ud<double>> f({.size = 6, .prior = Prior<double>{.covariance = P0}}, 2);
     size_t const fitted = 400;
     Records zeta{
@@ -136,12 +124,10 @@ TEST_F(Coloured, IsTheLibrarysFiltersBitForBit) {
     EXPECT_EQ(m.noise_model->rows, m.fitted);
 }
 TEST_F(Coloured, UnitsThatArePowersOfTwoChangeNoBit) {
-    std::vector<Signal> data = record(600, 7, {0.6});
+    Data data = record(600, 7, {0.6});
     IdentifyOptions const options{.detrend = false, .noise_model = 1, .instruments = 2};
     Identified const m = of(data, options);
-    for (double& x : data[0]) x *= 0x1p-200;
-    for (double& x : data[1]) x *= 0x1p200;
-    Identified const scaled = of(data, options);
+    Identified const scaled = of(uy(times(data.columns[0], 0x1p-200), times(data.columns[1], 0x1p200)), options);
     auto const same = [](Cured const& a, Cured const& b) {
         for (size_t i = 0; i < a.parameters.size(); ++i) {
             bool const of_input = i == 2 || i == 3;
@@ -150,27 +136,6 @@ TEST_F(Coloured, UnitsThatArePowersOfTwoChangeNoBit) {
         }
     };
     same(*m.noise_model, *scaled.noise_model), same(*m.instruments, *scaled.instruments);
-}
-
-/// d = 1 by hand: A = sum phi z / sum phi^2, variance sigma^2 P / (2 A - 1). C = 1: sigma^2 P.
-TEST(NoiseLimit, IsThatOfOneParameterByHand) {
-    Matrix<double> const phi{{1, -2, 0, 3}}, P{{1 / 14.0}};
-    EXPECT_NEAR(limit_deviations(phi, {}, P, 4)[0], std::sqrt(4 / 14.0), 1e-15);
-    double const A = (1 - 2 * (-2 - 0.5) + 3 * (3 - 0.5 * (0 - 0.5 * -2.5))) / 14;
-    EXPECT_NEAR(limit_deviations(phi, {0.5}, P, 4)[0], std::sqrt(4 / 14.0 / (2 * A - 1)), 1e-14);
-    EXPECT_TRUE(std::isnan(limit_deviations(Matrix<double>{{1, 1}}, {1.5}, Matrix<double>{{0.5}}, 1)[0])) << "A = 1/4";
-}
-TEST(FarthestFromOne, IsThatOfAllFrequencies) {
-    EXPECT_EQ(farthest_from_one({-0.5}), 0.5);
-    EXPECT_EQ(farthest_from_one({0.5, -0.75}), 1.25);
-    EXPECT_NEAR(farthest_from_one({0.3, 0.2, 0.1}), 0.6, 1e-15);
-    EXPECT_NEAR(farthest_from_one({0, 0, 0, -0.9}), 0.9, 1e-15);
-    double most = 0;
-    for (int k = 0; k < 100000; ++k) {
-        double const w = 3.141592653589793 * k / 100000;
-        most = std::max(most, std::abs(0.5 - 0.4 * std::polar(1.0, w) + 0.3 * std::polar(1.0, 2 * w)));
-    }
-    EXPECT_NEAR(farthest_from_one({0.5, -0.4, 0.3}), most, 2e-3 * most);
 }
 
 // --- what is printed -------------------------------------------------------------------------------------------------
@@ -200,29 +165,22 @@ TEST_F(Coloured, TableJsonAndPageSayTheSame) {
     json const without = json::parse(as_json(of(record(900, 2, {0.7}), {})));
     EXPECT_FALSE(without.contains("noise_model") || without.contains("instruments"));
 }
-TEST_F(Coloured, ANoiseOutsideTheRegionIsNamed) {
-    Identified const m = of(record(3000, 4, {1.6, 0.8}), {.noise_model = 2});
-    EXPECT_GT(m.noise_model->farthest, 1);
-    EXPECT_THAT(as_table(m), HasSubstr("the recursion may converge slowly or not at all"));
-}
 
 // --- the options -----------------------------------------------------------------------------------------------------
 
 TEST_F(Coloured, NextIsOptionsThatWorkWhenPasted) {
-    std::string const data = file_of(record(900, 1, {0.7}, 0.2)),
-                      model = "'" + data + "' --input u --output y --na 2 --nb 1 --delay 1 ";
-    std::string const out = program(model + "--json").out, next = json::parse(out)["next"];
-    EXPECT_EQ(next, "--noise-model 2 --instruments 2");
-    EXPECT_THAT(json::parse(out)["warnings"][0].get<std::string>(), HasSubstr("--noise-model"));
-    Outcome const pasted = program(model + next);
+    write("data.csv", record(900, 1, {0.7}, 0.2).csv());
+    std::string const model = "rlslab identify data.csv --input u --output y --na 2 --nb 1 --delay 1 ";
+    json const out = json::parse(shell(model + "--json").out);
+    EXPECT_EQ(out["next"], "--noise-model 2 --instruments 2");
+    EXPECT_THAT(out["warnings"][0].get<std::string>(), HasSubstr("--noise-model"));
+    Outcome const pasted = shell(model + out["next"].get<std::string>());
     EXPECT_EQ(pasted.code, 0) << pasted.err;
-    EXPECT_THAT(pasted.out, HasSubstr("\nnoise model: "));
-    EXPECT_THAT(pasted.out, HasSubstr("\ninstruments: "));
+    for (char const* const said : {"\nnoise model: ", "\ninstruments: "}) EXPECT_THAT(pasted.out, HasSubstr(said));
     EXPECT_THAT(pasted.out, Not(HasSubstr("next: --noise-model")));
-    Identified const series = identify::identify(data, {.output = "y", .order = 1});
-    EXPECT_EQ(series.cure, "--noise-model 2");
-    EXPECT_EQ(series.next(), "--noise-model 2");
-    EXPECT_EQ(program("'" + data + "' --output y --order 1 " + series.next()).code, 0);
+    std::string const series = "rlslab identify data.csv --output y --order 1 ";
+    EXPECT_EQ(json::parse(shell(series + "--json").out)["next"], "--noise-model 2");
+    EXPECT_EQ(shell(series + "--noise-model 2").code, 0);
 }
 TEST_F(Coloured, AHigherOrderThatPassesIsStillFirst) {
     Identified m = of(record(900, 1, {0.7}), {});
@@ -233,46 +191,11 @@ TEST_F(Coloured, AHigherOrderThatPassesIsStillFirst) {
     m.choice.fits[1].order = m.order + 1, m.choice.fits[1].ljung_box = 0.5;
     EXPECT_EQ(cure_for(m, none), "") << "it asks nothing of the record";
 }
-TEST_F(Coloured, RefusalsAreOneLineThatNamesTheOption) {
-    std::string const data = file_of(record(300, 1, {0.7})), model = "'" + data + "' --input u --output y ";
-    struct Case {
-        std::string words, named, because;
-    };
-    for (Case const& c : std::vector<Case>{
-             {model + "--order 2 --noise-model 0", "--noise-model", "1"},
-             {model + "--order 2 --noise-model -1", "--noise-model", "1"},
-             {model + "--order 2 --noise-model two", "--noise-model", "two"},
-             {model + "--order 2 --instruments 0", "--instruments", "1"},
-             {model + "--order 2 --instruments 1.5", "--instruments", "1.5"},
-             {model + "--order 2 --noise-model 200", "--noise-model", "rows are too few"},
-             {model + "--order 2 --instruments 150", "--instruments", "expected a smaller number"},
-             {model + "--order 2 --instruments 1000", "--instruments", "expected a smaller number"},
-             {model + "--order 3 --instruments 2", "--instruments", "expected 3 or more"},
-             {model + "--na 0 --nb 2 --instruments 2", "--instruments", "past outputs"},
-             {model + "--na 0 --nb 2 --noise-model 2", "--noise-model", "past outputs"},
-             {model + "--order 2 --forgetting 0.99 --noise-model 2", "--noise-model", "--forgetting"},
-             {"'" + data + "' --output y --order 2 --instruments 2", "--instruments", "--input"},
-         }) {
-        Outcome const run = program(c.words);
-        EXPECT_EQ(run.code, 2) << c.words;
-        EXPECT_EQ(run.out, "") << c.words;
-        EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
-        EXPECT_THAT(run.err, testing::AllOf(HasSubstr(c.named), HasSubstr(c.because))) << c.words;
-    }
-    EXPECT_THAT(files::message_of([&] { of(record(300, 1, {0.7}, 0), {.noise_model = 1}); }),
-                HasSubstr("--noise-model: the residuals are rounding errors"));
-    EXPECT_THAT(files::message_of([&] { of(record(300, 1, {0.7}), {.instruments = -3}); }),
-                HasSubstr("--instruments: expected a whole number"));
-}
 /// Two inputs: one further lag of each is as many as two past outputs. Without noise the instruments find the system.
 TEST_F(Coloured, SeveralInputsShareTheInstruments) {
-    IdentifyOptions options{.inputs = {"u", "v"}, .na = 2, .nb = {1, 1}, .delay = {2, 0}, .instruments = 1};
-    Identified const m = run(options);
+    Identified const m = run({.inputs = {"u", "v"}, .na = 2, .nb = {1, 1}, .delay = {2, 0}, .instruments = 1});
     for (CuredParameter const& p : m.instruments->parameters) EXPECT_LT(std::abs(p.shift()), 5) << p.name;
-    options.na = 3, options.nb = {1, 1};
-    EXPECT_THAT(refusal(options), HasSubstr("--instruments: expected 2 or more"));
-    std::vector<Signal> const clean = record(300, 2, {}, 0);
-    Cured const exact = *of(clean, {.detrend = false, .instruments = 2}).instruments;
+    Cured const exact = *of(record(300, 2, {}, 0), {.detrend = false, .instruments = 2}).instruments;
     EXPECT_NEAR(exact.parameters[0].value, a1, 1e-5);
     EXPECT_NEAR(exact.parameters[3].value, b2, 1e-5);
 }

@@ -1,27 +1,18 @@
-// From a system to a record and back: signals, excitation, batch and order-recursive least squares, identify.
+// From a system to a record and back: registers, batch and order-recursive least squares, identify.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "src/lab/identify/identify.hpp"
 #include <rlslab/studies/scenarios.hpp>
-#include "tests/common/files.hpp"
 #include "tests/common/laws.hpp"
 #include "tests/common/random_stable.hpp"
+#include "tests/identify/said.hpp"
 
 #include <rlslab/model/order_recursive.hpp>
 #include <rlslab/model/order_recursive_qr.hpp>
-
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <set>
 
 namespace rlslab {
 using namespace identify;
 using namespace report;
 using namespace studies;
 namespace {
-
-using testing::HasSubstr;
 
 // --- signals ---------------------------------------------------------------------------------------------------------
 
@@ -49,44 +40,6 @@ TEST(Signals, APrbsHasItsPeriodItsBalanceAndItsCorrelation) {
     EXPECT_EQ(prbs(3, 14, 2)[0], prbs(3, 14, 2)[1]);
     EXPECT_THROW(prbs(1, 5), std::invalid_argument);
     EXPECT_THROW(prbs(21, 5), std::invalid_argument);
-}
-TEST(Signals, AMultisineHasItsLinesAndVarianceOne) {
-    Signal const u = multisine(240, 10);
-    double power = 0;
-    for (double const x : u) power += x * x / 240;
-    EXPECT_NEAR(power, 1, 1e-12);
-    Signal dense = multisine(48, 10);  // lines far apart: 20 eigenvalues well above rounding
-    for (int period = 1; period < 6; ++period) dense.insert(dense.end(), dense.begin(), dense.begin() + 48);
-    EXPECT_EQ(excitation(dense, 30).order, 20);
-}
-TEST(Signals, AreTheSameBitsEverywhere) {
-    EXPECT_EQ(white_noise(3, Seed{1}),
-              (Signal{Seed{1}.bell(), white_noise(2, Seed{1})[1], white_noise(3, Seed{1})[2]}));
-    EXPECT_EQ(coloured_noise(5, {-0.9}, Seed{4}), coloured_noise(5, {-0.9}, Seed{4}));
-    for (double const x : random_steps(100, 3, 9, Seed{2})) EXPECT_LT(std::abs(x), 1);
-}
-
-// --- excitation ------------------------------------------------------------------------------------------------------
-
-TEST(Excitation, OfWhatIsKnown) {
-    EXPECT_EQ(excitation(white_noise(400, Seed{1}), 12).order, 12);
-    EXPECT_EQ(excitation(prbs(5, 300), 31).order, 31);  // of order M, as its mean is not zero
-    EXPECT_EQ(excitation(Signal(300, 2.5), 6).order, 1);
-    EXPECT_EQ(excitation(Signal(300, 0.0), 6).order, 0);
-    EXPECT_EQ(excitation(Signal(300, 2.5), 6).constant_at_start, 300);
-    Signal sine(400);
-    for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));
-    EXPECT_EQ(excitation(sine, 6).order, 2);
-    for (double& x : sine) x = std::round(1e4 * x) / 1e4;  // as a file with four decimals has it
-    EXPECT_EQ(excitation(sine, 6).order, 2);
-    EXPECT_EQ(excitation(sine, 6).exact_order, 6) << "its rounding excites everything, to the eye of exact arithmetic";
-}
-TEST(Excitation, TheCorrelationMatrixOfWhiteNoiseIsNearlyTheIdentity) {
-    Matrix<double> const R = correlation_matrix(white_noise(5000, Seed{3}), 5),
-                         coloured = correlation_matrix(coloured_noise(5000, {-0.95}, Seed{3}), 5);
-    EXPECT_LT((R - Matrix<double>::Identity(5, 5)).cwiseAbs().maxCoeff(), 0.1);
-    EXPECT_GT(coloured(0, 1), 0.9 * coloured(0, 0));
-    EXPECT_DOUBLE_EQ(correlation({1, 2, 3}, {4, 5, 6}, 1)[1], (2 * 4 + 3 * 5) / 3.0);
 }
 
 // --- batch -----------------------------------------------------------------------------------------------------------
@@ -195,108 +148,20 @@ TEST(Systems, TwoHundredRandomOnesComeBackToTenDigitsByEverySoundVariant) {
         }
     }
 }
-TEST(Systems, RootsAreFound) {
-    auto const r = roots({-1.5, 0.7});
-    EXPECT_NEAR(r[0].real(), 0.75, 1e-15);
-    EXPECT_NEAR(r[0].imag(), std::sqrt(0.7 - 0.5625), 1e-15);
-    EXPECT_TRUE(roots({}).empty());
-    EXPECT_NEAR(zeros(DifferenceEquation{.a = {}, .b = {{0, 2, 1}}, .delay = 0, .c = 0})[0].real(), -0.5, 1e-15);
-}
 
 // --- identify --------------------------------------------------------------------------------------------------------
 
-std::string csv(std::vector<Signal> const& columns, std::string const& header) {
-    std::string out = header + "\n";
-    for (size_t k = 0; k < columns[0].size(); ++k) {
-        for (size_t j = 0; j < columns.size(); ++j) out += (j ? "," : "") + std::to_string(columns[j][k]);
-        out += "\n";
-    }
-    return out;
-}
-
-TEST(Identify, FindsTheOrderAndTheParameters) {
-    files::Folder const folder;
-    DifferenceEquation const model{.a = {-1.5, 0.7}, .b = {{1, 0.5, 0}}, .delay = 0, .c = 0};
-    Signal const u = prbs(9, 3000);
-    Signal xi = white_noise(3000, Seed{3});
-    for (double& x : xi) x *= 0.1;
-    std::string const file = folder.file(csv({u, simulate(model, {u}, xi)}, "u,y"));
-    Identified const m = identify::identify(file, {.inputs = {"u"}, .output = "y"});
-    EXPECT_EQ(m.order, 2);
-    EXPECT_TRUE(m.warnings().empty()) << m.warnings().front();
-    EXPECT_NEAR(m.parameters[0].value, -1.5, 4 * m.parameters[0].sd);
-    EXPECT_NEAR(m.parameters[3].value, 0.5, 4 * m.parameters[3].sd);
-    EXPECT_NEAR(m.sigma2, 0.01, 0.001);
-    EXPECT_GT(m.held_out_one_step, 97);
-    EXPECT_GT(m.digits, 13);
-    EXPECT_THAT(as_page(m), HasSubstr("figure id=\"poles\""));
-}
-TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
-    files::Folder const folder;
-    DifferenceEquation const model{.a = {-1.5, 0.7}, .b = {{1, 0.5, 0}}, .delay = 0, .c = 0};
-    Signal const u = prbs(10, 1000), y = simulate(model, {u}, Signal(1000, 0.0));
-    std::string text = "u,y\n";
-    for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
-    for (bool detrend : {true, false}) {
-        Identified const m =
-            identify::identify(folder.file(text), {.inputs = {"u"}, .output = "y", .detrend = detrend});
-        EXPECT_EQ(m.order, 2);
-        EXPECT_NEAR(m.parameters[0].value, -1.5, 1e-12);
-        EXPECT_NEAR(m.parameters[1].value, 0.7, 1e-12);
-        EXPECT_NEAR(m.parameters[3].value, 0.5, 1e-12);
-        EXPECT_TRUE(m.warnings().empty()) << m.warnings().front();
-    }
-    std::string const constant =
-        folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
-    EXPECT_THAT(files::message_of([&] { identify::identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
-                Names("column y"));
-}
 /// With forgetting the estimate scatters as its own standard deviation says.
-TEST(Identify, StandardDeviationsHoldWithForgetting) {
-    files::Folder const folder;
-    DifferenceEquation const model{.a = {-0.5}, .b = {{0, 1}}, .delay = 0, .c = 0};
+TEST_F(Options, StandardDeviationsHoldWithForgetting) {
     int inside = 0;
     constexpr int records = 200;
-    for (int k = 0; k < records; ++k) {
-        Signal const u = white_noise(400, Seed{std::uint64_t(k)});
-        Signal xi = white_noise(400, Seed{std::uint64_t(5000 + k)});
-        for (double& x : xi) x *= 0.5;
-        Identified const m = identify::identify(
-            folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
-            {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
+    for (std::uint64_t k = 0; k < records; ++k) {
+        Data const record =
+            simulated({-0.5}, {0, 1}, white_noise(400, Seed{k}), times(white_noise(400, Seed{5000 + k}), 0.5));
+        Identified const m = run({.order = 1, .detrend = false, .forgetting = 0.95, .validate = 0}, record);
         inside += m.parameters[2].lower <= 1 && 1 <= m.parameters[2].upper;
     }
     EXPECT_NEAR(inside / double(records), 0.95, 0.06);  // four standard deviations of 200 draws
-}
-TEST(Identify, TakesSeveralInputs) {
-    files::Folder const folder;
-    DifferenceEquation const model{.a = {-0.8}, .b = {{1, 0.5}, {-2, 0.25}}, .delay = 0, .c = 0};
-    Signal const u = prbs(9, 1500), v = white_noise(1500, Seed{5});
-    std::string const file = folder.file(csv({u, v, simulate(model, {u, v}, Signal(1500, 0.0))}, "u,v,y"));
-    Identified const m = identify::identify(file, {.inputs = {"u", "v"}, .output = "y", .order = 1});
-    ASSERT_EQ(m.parameters.size(), 6u);  // and the constant
-    EXPECT_EQ(m.parameters[3].name, "b0[v]");
-    EXPECT_NEAR(m.parameters[3].value, -2, 1e-4);  // six decimals in the file
-    EXPECT_NEAR(m.model.b[1][1], 0.25, 1e-4);
-}
-TEST(Identify, SaysWhichOrderAPoorInputSupports) {
-    files::Folder const folder;
-    auto const record = [&](Signal const& u) {
-        DifferenceEquation const model{.a = {-0.8}, .b = {{1, 0.5}}, .delay = 0, .c = 0};
-        return folder.file(csv({u, simulate(model, {u}, white_noise(Index(u.size()), Seed{4}))}, "u,y"));
-    };
-    auto const said = [&](Signal const& u, int order) {
-        return files::message_of(
-            [&] { identify::identify(record(u), {.inputs = {"u"}, .output = "y", .order = order, .detrend = false}); });
-    };
-    Signal sine(600);
-    for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));
-    EXPECT_THAT(said(sine, 3), Names("order 3 1"));
-    EXPECT_THAT(said(Signal(600, 1.0), 2), Names("order 1"));
-    Identified const m = identify::identify(record(sine), {.inputs = {"u"}, .output = "y", .detrend = false});
-    EXPECT_LE(m.order, 1);
-    ASSERT_FALSE(m.warnings().empty());
-    EXPECT_THAT(m.warnings().front(), Names("u 2 1"));
 }
 TEST(Identify, TheHeatExchangersStandstillIsNamed) {
     std::string const file = RLSLAB_SOURCE_DIR "/../shared/data/heat_exchanger.csv";

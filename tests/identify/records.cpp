@@ -1,106 +1,199 @@
-// Records that identify takes although something is not there: rows that miss a value, and series without an input.
-#include "tests/identify/options.hpp"
+// Records and structures of every kind: what is one model, what is refused, and numbers by another hand.
+#include "tests/common/exact_fit.hpp"
+#include "tests/identify/said.hpp"
 
+#include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/model/fit.hpp>
 #include <rlslab/model/lags.hpp>
-
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <rlslab/reference/scatter.hpp>
 
 namespace rlslab {
 using namespace identify;
 using namespace report;
 namespace {
 
+using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
-/// NaN: an empty cell.
-std::string csv(Signal const& u, Signal const& y) {
-    std::string out = "u,y";
-    for (size_t k = 0; k < u.size(); ++k)
-        out += fmt::format("\n{},{}", u[k], std::isnan(y[k]) ? "" : fmt::format("{}", y[k]));
-    return out + '\n';
+// --- structures ------------------------------------------------------------------------------------------------------
+
+TEST_F(Options, OneModelSaidInSeveralWaysIsOneModel) {
+    std::vector<std::string> const uv{"u", "v"};
+    using Way = std::pair<IdentifyOptions, std::string>;
+    for (std::vector<Way> const& ways :
+         {std::vector<Way>{{{.inputs = {"u"}, .order = 2}, "order 2"},
+                           {{.inputs = {"u"}, .na = 2, .nb = {2}}, "na = 2, nb = 2"},
+                           {{.regressors = {"y[k-1]", "y[k-2]", "u[k..k-2]"}}, "5 regressors"}},
+          {{{.order = 3}, "order 3"}, {{.na = 3}, "na = 3"}, {{.regressors = {"y[k-1..k-3]"}}, "3 regressors"}},
+          {{{.inputs = uv, .na = 2, .nb = {1, 1}, .delay = {2, 0}}, "na = 2, nb = 1, delay 2,0"},
+           {{.regressors = {"u[k-2..k-3]", "y[k-1..k-2]", "v[k..k-1]"}}, "6 regressors"}},
+          {{{.inputs = uv, .na = 1, .nb = {2}, .delay = {1}}, "na = 1, nb = 2, delay 1"},
+           {{.inputs = uv, .na = 1, .nb = {2, 2}, .delay = {1, 1}}, "na = 1, nb = 2, delay 1"}}}) {
+        Identified const one = of(two_inputs(), ways[0].first);
+        for (auto const& [options, structure] : ways) {
+            Identified const m = of(two_inputs(), options);
+            EXPECT_EQ(values(m), values(one)) << structure;
+            EXPECT_EQ(m.structure, structure);
+            EXPECT_EQ(m.why, "given");
+            EXPECT_EQ(m.choice.fits.empty(), options.order == 0) << structure;
+            for (size_t i = 0; i < m.parameters.size(); ++i) EXPECT_EQ(m.parameters[i].sd, one.parameters[i].sd);
+            EXPECT_EQ(m.fit_one_step, one.fit_one_step);
+            EXPECT_EQ(m.ljung_box.p, one.ljung_box.p);
+            if (!options.inputs.empty()) {
+                EXPECT_EQ(m.held_out_simulated, one.held_out_simulated);
+            }
+        }
+    }
+}
+TEST_F(Options, ParametersAreNamedInTheOrderOfTheEquation) {
+    Identified const each = run({.inputs = {"u", "v"}, .na = 2, .nb = {1, 1}, .delay = {2, 0}});
+    Identified const list = run({.regressors = {"u[k-2..k-3]", "y[k-1..k-2]", "v[k..k-1]"}});
+    std::vector<std::string> of;
+    for (Parameter const& p : each.parameters) of.push_back(p.regressor);
+    EXPECT_EQ(of, (std::vector<std::string>{"y[k-1]", "y[k-2]", "u[k-2]", "u[k-3]", "v[k]", "v[k-1]", "1"}));
+    EXPECT_EQ(each.parameters[2].name, "b0[u]") << "counted from the delay";
+    EXPECT_EQ(list.parameters[2].name, "b2[u]") << "counted by its lag";
+    EXPECT_EQ(each.order, 2);
 }
 
-class IdentifyRecords : public testing::Test {
-protected:
-    files::Folder const folder;
-    Signal const u = white_noise(300, Seed{1}),
-                 y = simulate({.a = {-0.8}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, white_noise(300, Seed{2}));
-    std::string const file = folder.file(csv(u, y));
-};
+// --- refusals --------------------------------------------------------------------------------------------------------
 
+TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
+    is_refused({.order = 2, .na = 1, .nb = {1}}, "--order --na --nb");
+    is_refused({.order = 2, .max_order = 3}, "--max-order --order --na --nb");
+    is_refused({.max_order = 3, .na = 1, .nb = {1}}, "--max-order --order --na --nb");
+    is_refused({.na = 1}, "--na --nb");
+    is_refused({.nb = {1}}, "--nb --na");
+    is_refused({.na = 1, .nb = {1, 2}}, "--nb 1 2");
+    is_refused({.inputs = {"u", "v"}, .order = 1, .delay = {1, 2, 3}}, "--delay 2 3");
+    for (IdentifyOptions o : {IdentifyOptions{.inputs = {"u"}}, {.order = 1}, {.delay = {1}}}) {
+        o.regressors = {"u"};
+        is_refused(o, "--regressors --input --order --max-order --na --nb --delay");
+    }
+    is_refused({.regressors = {"u", "y"}}, "--regressors y y[k-1]");
+    is_refused({.regressors = {"y[k-201]", "u"}}, "--regressors y[k-201] 200");
+    is_refused({.regressors = {"u", "u[k-201]"}}, "--regressors u[k-201] 200");
+    is_refused({.regressors = {"w[k-1]"}}, "record.csv w");
+    is_refused({.inputs = {"u", "u"}}, "record.csv u");
+    is_refused({.inputs = {"y"}}, "record.csv y");
+    for (double const lambda : {0.5, 1e-30, 1e-100, 1e-320})
+        is_refused({.order = 2, .forgetting = lambda}, "--forgetting lambda 6");
+    is_refused({.order = 2, .forgetting = 0.5}, "--forgetting 0.5 2 6 0.917");
+    is_refused({.order = 2, .forgetting = 0.917}, "");
+    EXPECT_GE(run({.order = 2, .forgetting = 0.917}).freedom, 1);
+    for (double const bad : {0.0, -1.0, std::nan(""), double(INFINITY)})
+        is_refused({.order = 1, .sample_time = bad}, "--sample-time 1e-15 1e15");
+    is_refused({.order = 2, .instruments = -3}, "--instruments whole number");
+    is_refused({.inputs = {"u", "v"}, .na = 3, .nb = {1, 1}, .delay = {2, 0}, .instruments = 1}, "--instruments 2");
+    EXPECT_THAT(files::message_of([&] { identify::identify(file, {.inputs = {"u"}}); }), Names("--output"));
+}
+TEST_F(Options, RecordsWithoutAModelAreRefused) {
+    Signal const u = white_noise(60, Seed{1}), tiny = times(u, 0x1p-405), still(60, 3.0);
+    Signal late = still;
+    late[59] = 4;
+    IdentifyOptions const one{.order = 1};
+    is_refused(one, "record.csv y", uy(u, still));
+    is_refused(one, "record.csv y 40 --validate", uy(u, late));
+    is_refused(one, "record.csv input", uy(Signal(60, 1.0), u));
+    is_refused(one, "record.csv y power", uy(u, tiny));
+    is_refused(one, "record.csv u power", uy(tiny, u));
+    is_refused(one, "", uy(times(tiny, 0x1p+7), white_noise(60, Seed{9})));  // about 2^-398 at most
+    // Order 2, a delay of 1: 6 parameters, the constant included; 3 samples of presample; one row more than parameters.
+    IdentifyOptions const two{.order = 2, .delay = {1}, .validate = 0};
+    auto const cut = [](Index n) {
+        return simulated({-0.5}, {0, 1}, white_noise(n, Seed{1}), white_noise(n, Seed{2}));
+    };
+    is_refused(two, "record.csv 2 1 6 10 9", cut(9));
+    EXPECT_EQ(run(two, cut(10)).fitted, 7);
+    EXPECT_NEAR(run(two, cut(10)).freedom, 1, 1e-3);
+    Data gaps = simulated({-0.8}, {0, 0.5}, white_noise(300, Seed{1}), white_noise(300, Seed{2}));
+    for (size_t k = 0; k < 300; k += 3) gaps.columns[1][k] = NAN;
+    is_refused({.order = 2}, "record.csv 2 6 0", gaps);
+    is_refused(one, "", gaps);
+    is_refused(one, "record.csv u", uy(Signal(300, NAN), gaps.columns[0]));
+    is_refused({.order = 2, .noise_model = 1}, "--noise-model rounding",
+               simulated({-1.5, 0.7}, {0, 1, 0.5}, white_noise(300, Seed{1}), Signal(300, 0.0)));
+}
+TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
+    for (auto const& [words, things] : std::vector<std::pair<std::string, std::string>>{
+             {"--input u --na 1,2 --nb 1", "--na"},
+             {"--input u --na -1 --nb 1", "--na 0 200 -1"},
+             {"--input u --na 1 --nb x", "--nb 0 200 x"},
+             {"--input u,v --na 1 --nb 1,201", "--nb 0 200 201"},
+             {"--input u --delay 100001", "--delay 0 100000 100001"},
+             {"--input u --delay 290", "order --validate"},
+             {"--regressors ''", "--regressors"},
+             {"--regressors 'u[k+1]'", "--regressors u[k+1]"},
+             {"--regressors 'u[k-1],u[k-1]'", "--regressors u[k-1]"},
+             {"--nb 1", "--nb --input"},
+             {"--order 2 --delay 1", "--delay --input"},
+             {"--na 0", "--na 1 --input"},
+             {"--input u --confidence 0.9999999999999999", "--confidence 0.001 0.999999"},
+             {"--input u --order 2 --noise-model 0", "--noise-model 1"},
+             {"--input u --order 2 --noise-model -1", "--noise-model 1"},
+             {"--input u --order 2 --noise-model two", "--noise-model two"},
+             {"--input u --order 2 --instruments 0", "--instruments 1"},
+             {"--input u --order 2 --instruments 1.5", "--instruments 1.5"},
+             {"--input u --order 2 --noise-model 200", "--noise-model rows too few"},
+             {"--input u --order 2 --instruments 150", "--instruments smaller number"},
+             {"--input u --order 2 --instruments 1000", "--instruments smaller number"},
+             {"--input u --order 3 --instruments 2", "--instruments 3 more"},
+             {"--input u --na 0 --nb 2 --instruments 2", "--instruments past outputs"},
+             {"--input u --na 0 --nb 2 --noise-model 2", "--noise-model past outputs"},
+             {"--input u --order 2 --forgetting 0.99 --noise-model 2", "--noise-model --forgetting"},
+             {"--order 2 --instruments 2", "--instruments --input"}})
+        refused("identify data.csv --output y " + words, things);
+    for (char const* const bad : {"0", "-1", "nan", "inf", "x", "1e-16", "1e16", "''"})
+        refused(std::string("identify data.csv --input u --output y --order 1 --sample-time ") + bad, "--sample-time");
+    for (std::string const good : {"--input u,v --na 2 --nb 1,1 --delay 2,0", "--input u --order 1 --sample-time 1e-15",
+                                   "--input u --order 1 --sample-time 1e15", "--regressors 'y[k-1..k-2],u[k-2..k-3]'"})
+        EXPECT_EQ(shell("rlslab identify data.csv --output y " + good).code, 0) << good;
+    EXPECT_THAT(shell("rlslab identify --help").out,
+                HasSubstr("y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay]"));
+}
+
+// --- rows that are missing, and series -------------------------------------------------------------------------------
+
+class IdentifyRecords : public Options {
+protected:
+    Signal const u = white_noise(300, Seed{1}),
+                 y = simulated({-0.8}, {0, 0.5}, u, white_noise(300, Seed{2})).columns[1];
+    static void expect_estimates(Identified const& m, Vector<double> const& theta) {
+        for (Index i = 0; i < theta.size(); ++i)
+            EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd) << i;
+    }
+};
 /// A series without an input, beside a batch fit of the same rows. The equation has the past outputs on its left.
 TEST_F(IdentifyRecords, PastOutputsAloneAreAModel) {
-    Identified const m = identify::identify(file, {.output = "y", .regressors = {"y[k-1..k-3]"}, .detrend = false});
+    Identified const m = of(uy(u, y), {.regressors = {"y[k-1..k-3]"}, .detrend = false});
     EXPECT_EQ(equation_text(m.terms, "y"), "y[k] + a1 y[k-1] + a2 y[k-2] + a3 y[k-3] = e[k]");
     EXPECT_EQ(m.poles.size(), 3u);
     EXPECT_TRUE(m.excitation.empty() && m.gain.empty() && m.zeros.empty());
     EXPECT_GT(m.held_out_one_step, 0);
     EXPECT_TRUE(std::isnan(m.held_out_simulated)) << "nothing drives a simulation";
-    Columns const columns = read_columns(file, {"y"});
+    Columns const columns = read_columns((folder / "record.csv").string(), {"y"});
     Records const rows = lagged_records(columns, lagged_of("", {"y[k-1..k-3]"}, "y"), "y");
-    Vector<double> const theta = fit({.psi = rows.psi.leftCols(197), .y = rows.y.head(197), .names = {}}).theta;
-    for (Index i = 0; i < 3; ++i)
-        EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
-    EXPECT_THAT(as_page(m), HasSubstr("figure id=\"poles\""));
+    expect_estimates(m, -fit({.psi = rows.psi.leftCols(197), .y = rows.y.head(197), .names = {}}).theta);
 }
-/// An order, na, and the list of past outputs are one model; every output names it without an input.
-TEST_F(IdentifyRecords, WithoutAnInputAnOrderIsOneOfPastOutputs) {
-    auto const run = [&](IdentifyOptions options) {
-        options.output = "y";
-        return identify::identify(file, options);
-    };
-    Identified const by_order = run({.order = 3}), by_na = run({.na = 3}),
-                     by_list = run({.regressors = {"y[k-1..k-3]"}});
-    ASSERT_EQ(by_order.parameters.size(), 4u);
-    for (size_t i = 0; i < 4; ++i) {
-        EXPECT_EQ(by_order.parameters[i].value, by_list.parameters[i].value);
-        EXPECT_EQ(by_na.parameters[i].value, by_list.parameters[i].value);
-        EXPECT_EQ(by_na.parameters[i].sd, by_list.parameters[i].sd);
-    }
-    EXPECT_EQ(by_order.structure, "order 3");
-    EXPECT_EQ(by_na.structure, "na = 3");
-    std::string const table = as_table(by_order), page = as_page(by_order);
-    EXPECT_THAT(table, HasSubstr("no input: y is predicted from its own past alone"));
-    for (std::string const& text : {table, page}) EXPECT_THAT(text, testing::Not(HasSubstr("simulated")));
-    EXPECT_THAT(page, testing::Not(HasSubstr("figure id=\"step\"")));
-    nlohmann::json const json = nlohmann::json::parse(as_json(by_order));
-    EXPECT_TRUE(json["inputs"].empty() && json["output"]["simulated"].is_null());
-    EXPECT_EQ(json["modes"].size(), by_order.modes.size());
-}
-/// Of a known series of order 2 the order is found, and its parameters lie within their intervals.
+/// All orders are tried, over the same rows.
 TEST_F(IdentifyRecords, WithoutAnInputAnOrderIsChosen) {
-    Signal const e = white_noise(900, Seed{5});
-    Signal series = e;
+    Signal series = white_noise(900, Seed{5});
     for (size_t k = 2; k < series.size(); ++k) series[k] += 1.2 * series[k - 1] - 0.6 * series[k - 2];
-    std::string text = "y";
-    for (double const v : series) text += fmt::format("\n{}", v);
-    std::string const of_series = folder.file(text + '\n', "series.csv");
     for (bool const detrend : {true, false}) {
-        Identified const m = identify::identify(of_series, {.output = "y", .max_order = 6, .detrend = detrend});
-        EXPECT_EQ(m.order, 2);
+        Identified const m = of({{"y"}, {series}}, {.max_order = 6, .detrend = detrend});
         EXPECT_EQ(m.choice.fits.size(), 7u);
         EXPECT_EQ(m.choice.fits[0].parameters, Index(detrend));
         EXPECT_EQ(m.choice.static_p, 1) << "nothing but the constant";
-        EXPECT_NEAR(m.parameters[0].value, -1.2, 4 * m.parameters[0].sd);
-        EXPECT_NEAR(m.parameters[1].value, 0.6, 4 * m.parameters[1].sd);
         EXPECT_NEAR(m.choice.fits[2].J, m.sigma2 * m.freedom, 0.1 * m.choice.fits[2].J) << "of fewer rows";
     }
-    Identified const noise = identify::identify(file, {.output = "u"});
-    EXPECT_THAT(noise.warnings(), testing::Contains(HasSubstr("the past of u predicts nothing")));
 }
 /// A simulation stops where an input is missing and begins anew from measured outputs; it is as good as without gaps.
 TEST_F(IdentifyRecords, ASimulationGoesOnBehindAMissingInput) {
     Signal gaps = u;
     gaps[230] = gaps[260] = NAN;
-    std::string text = "u,y";
-    for (size_t k = 0; k < u.size(); ++k)
-        text += fmt::format("\n{},{}", std::isnan(gaps[k]) ? "NA" : fmt::format("{}", gaps[k]), y[k]);
-    IdentifyOptions const options{.inputs = {"u"}, .output = "y", .order = 1, .detrend = false};
-    Identified const whole = identify::identify(file, options),
-                     m = identify::identify(folder.file(text + '\n', "gaps.csv"), options);
+    IdentifyOptions const options{.order = 1, .detrend = false};
+    Identified const whole = run(options, uy(u, y)), m = run(options, uy(gaps, y));
     ASSERT_EQ(values(m), values(whole));
     ASSERT_TRUE(std::isfinite(m.held_out_simulated));
     for (size_t k = 199; k < 299; ++k) {  // measured begins with sample 1
@@ -117,10 +210,9 @@ TEST_F(IdentifyRecords, ASimulationGoesOnBehindAMissingInput) {
 TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     Signal gaps = y;
     gaps[50] = gaps[250] = NAN;
-    std::string const text = csv(u, gaps);
-    IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = 1, .detrend = false};
+    IdentifyOptions options{.order = 1, .detrend = false};
     options.composition.window = 100;
-    Identified const m = identify::identify(folder.file(text, "gaps.csv"), options);
+    Identified const m = run(options, uy(u, gaps));
     EXPECT_EQ(m.fitted, 199 - 2);
     EXPECT_EQ(m.skipped, 4);
     EXPECT_THAT(as_table(m), Names("300 197 100 4"));
@@ -131,9 +223,7 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
             rows.psi.col(at) << -y[k - 1], u[k], u[k - 1];
             rows.y[at++] = y[k];
         }
-    Vector<double> const theta = fit(rows).theta;
-    for (Index i = 0; i < 3; ++i)
-        EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd);
+    expect_estimates(m, fit(rows).theta);
     ASSERT_EQ(m.measured.size(), 299u);
     EXPECT_TRUE(std::isnan(m.one_step[49]) && std::isnan(m.one_step[50]) && !std::isnan(m.one_step[51]));
     EXPECT_FALSE(std::isnan(m.held_out_one_step)) << "of what was measured";
@@ -141,92 +231,100 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     EXPECT_EQ(m.tracked->rows.size(), 295u);
     EXPECT_EQ(m.tracked->rows[48].row, 50);
     EXPECT_EQ(m.tracked->rows[49].row, 53);
+    expect_numbers(m, "with gaps");
     options.order = 0;
-    EXPECT_EQ(identify::identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11)
-        << "order 10, its lags and the output";
-    EXPECT_THAT(as_page(m), testing::Not(testing::ContainsRegex("[^a-z_]nan[^a-z_]")));
-}
-TEST_F(IdentifyRecords, WithoutARowAreRefused) {
-    Signal every_third = y;
-    for (size_t k = 0; k < y.size(); k += 3) every_third[k] = NAN;
-    auto const said = [&](std::string const& text, IdentifyOptions options) {
-        options.inputs = {"u"}, options.output = "y";
-        return folder.without(files::message_of([&] { identify::identify(folder.file(text, "gaps.csv"), options); }));
-    };
-    EXPECT_THAT(said(csv(u, every_third), {.order = 2}), Names("gaps.csv 2 6 0"));
-    EXPECT_EQ(said(csv(u, every_third), {.order = 1}), "no error");
-    std::string no_input = "u,y\n";
-    for (double const v : y) no_input += fmt::format(",{}\n", v);
-    EXPECT_THAT(said(no_input, {.order = 1}), Names("gaps.csv u"));
-}
-/// A series that is zero but once. What is said of it is so.
-TEST_F(IdentifyRecords, AnImpulseIsCalledWhatItIs) {
-    Signal impulse(140, 0.0);
-    impulse[4] = 19.68;
-    std::string text = "y\n";
-    for (double const v : impulse) text += fmt::format("{}\n", v);
-    std::string const one = folder.file(text, "impulse.csv");
-    EXPECT_THAT(folder.without(files::message_of([&] { identify::identify(one, {.output = "y"}); })),
-                Names("impulse.csv y 11 10 --max-order"));
-    Identified const first = identify::identify(one, {.output = "y", .order = 1});
-    EXPECT_EQ(first.held_out_one_step, -INFINITY) << "no percentage of a spread of zero";
-    EXPECT_THAT(as_table(first), HasSubstr("held out: - one step"));
-    Identified const whole = identify::identify(one, {.output = "y", .order = 1, .detrend = false, .validate = 0});
-    EXPECT_GT(whole.sigma2, 2);
-    EXPECT_FALSE(whole.ljung_box.zeros);
-    EXPECT_THAT(as_table(whole), testing::Not(HasSubstr("beyond rounding")));
-    EXPECT_THAT(whole.warnings(), testing::Contains(Names("row 5 100")));
-}
-/// Rows that a logger dropped, by their times: as if they were there and empty.
-TEST_F(IdentifyRecords, TimesPutRowsWhereTheyBelong) {
-    auto const text = [&](auto const& row) {
-        std::string out = "time [s],u,y\n";
-        for (size_t k = 0; k < u.size(); ++k) out += row(k);
-        return out;
-    };
-    auto const gone = [](size_t k) { return k > 3 && k % 29 < 2; };
-    std::string const dropped = folder.file(
-                          text([&](size_t k) {
-                              return gone(k) ? "" : fmt::format("{:.1f},{},{}\n", 0.1 * double(k), u[k], y[k]);
-                          }),
-                          "dropped.csv"),
-                      empty = folder.file(text([&](size_t k) {
-                                              return gone(k)
-                                                         ? fmt::format("{:.1f},,\n", 0.1 * double(k))
-                                                         : fmt::format("{:.1f},{},{}\n", 0.1 * double(k), u[k], y[k]);
-                                          }),
-                                          "empty.csv");
-    IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = 1};
-    Identified const as_empty = identify::identify(empty, options), blind = identify::identify(dropped, options);
-    ASSERT_FALSE(blind.remarks.empty());
-    EXPECT_THAT(blind.remarks.front(), Says(Remark::Rank::time, "time 10 0.1 --time"));
-    EXPECT_EQ(blind.next(), "--time 'time [s]'");
-    EXPECT_NE(values(blind), values(as_empty));
-    options.time = "time [s]";
-    Identified const mended = identify::identify(dropped, options);
-    EXPECT_EQ(values(mended), values(as_empty));
-    EXPECT_EQ(mended.samples, as_empty.samples);
-    EXPECT_EQ(mended.held_out_simulated, as_empty.held_out_simulated);
-    EXPECT_EQ(mended.warnings(), as_empty.warnings());
+    EXPECT_EQ(run(options, uy(u, gaps)).choice.rows, 190 - 11) << "order 10, its lags and the output";
 }
 /// An error that does not matter is stated in units of each regressor: units of u move no digit and no word. Little
 /// noise, slow poles.
 TEST_F(IdentifyRecords, UnitsChangeNothing) {
-    Signal noise = white_noise(300, Seed{3}), small = u;
-    for (double& x : noise) x *= 1e-9;
-    for (double& x : small) x *= 0x1p-40;
     Signal const slow =
-        simulate({.a = {-2.91, 2.8226, -0.912576}, .b = {{0, 1e-3, 2e-3, 1e-3}}, .delay = 0, .c = 0}, {u}, noise);
-    auto const of = [&](Signal const& input) {
-        return identify::identify(folder.file(csv(input, slow), "slow.csv"),
-                                  {.inputs = {"u"}, .output = "y", .order = 3});
-    };
-    Identified const one = of(u), other = of(small);
+        simulated({-2.91, 2.8226, -0.912576}, {0, 1e-3, 2e-3, 1e-3}, u, times(white_noise(300, Seed{3}), 1e-9))
+            .columns[1];
+    Identified const one = run({.order = 3}, uy(u, slow)), other = run({.order = 3}, uy(times(u, 0x1p-40), slow));
     EXPECT_EQ(one.c, other.c);
     EXPECT_EQ(one.prior_effect, other.prior_effect);
     EXPECT_EQ(one.warnings(), other.warnings());
-    for (size_t i : {0u, 1u, 2u}) EXPECT_EQ(one.parameters[i].value, other.parameters[i].value);
-    for (size_t i : {3u, 4u, 5u, 6u}) EXPECT_EQ(one.parameters[i].value, 0x1p-40 * other.parameters[i].value);
+    for (size_t i = 0; i < 7; ++i)
+        EXPECT_EQ(one.parameters[i].value, (i < 3 ? 1 : 0x1p-40) * other.parameters[i].value) << i;
+}
+
+// --- variants that break down ----------------------------------------------------------------------------------------
+
+/// The standard deviations by exact rationals: sigma^2 (Phi'Phi)^-1 without a prior.
+TEST_F(Options, IllConditionedStandardDeviationsAreThoseOfTheRationals) {
+    write("slow.csv", damped(slow_input(200), 0, 3).csv());
+    Columns const columns = read_columns((folder / "slow.csv").string(), {"u", "y"});
+    Records const records = arx_records(columns, "u", "y", arx_of_order(6));
+    Index const d = records.parameters(), N = records.rows();
+    exact_fit::Fit const exact = exact_fit::of(records);
+    Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {N}).front();
+    EXPECT_DOUBLE_EQ(s.scatter.J, static_cast<double>(exact.J));
+    EXPECT_DOUBLE_EQ(s.scatter.freedom, double(N - d));
+    for (Index i = 0; i < d; ++i)
+        EXPECT_DOUBLE_EQ(s.scatter.sd[i], std::sqrt(static_cast<double>(exact.inverse(i, i)))) << i;
+    EXPECT_GT(condition(records, 1), 1e4);
+}
+TEST_F(Options, EveryVariantOnEveryRecordAnswersInNumbers) {
+    Signal const u = white_noise(60, Seed{2});
+    std::vector<Data> const records{damped(slow_input(200), 0, 4), damped(prbs(7, 200), 0.01, 6),
+                                    uy(times(u, 1e-100), times(plus(u, white_noise(60, Seed{3})), 1e90))};
+    int broken = 0;
+    for (CatalogueEntry const* const entry : one_entry_each())  // each is in double
+        for (size_t r = 0; r < records.size(); ++r)
+            for (double const lambda : {1.0, 0.9})
+                for (std::optional<double> const& p0 :
+                     {std::optional<double>(), std::optional<double>(lambda == 1 ? 0x1p80 : 0x1p40)}) {
+                    std::string const variant(entry->variant),
+                        what = fmt::format("{} {} lambda {} p0 {}", variant, r, lambda, p0.value_or(0));
+                    IdentifyOptions options{.order = r == 2 ? 1 : 3};
+                    options.variant = variant, options.forgetting = lambda, options.p0 = p0;
+                    Identified const m = run(options, records[r]);
+                    expect_numbers(m, what);
+                    broken += m.failure.has_value();
+                    if (m.failure) {
+                        EXPECT_THAT(m.warnings(), Contains(Names(variant + " row"))) << what;
+                        EXPECT_THAT(as_json(m), HasSubstr("\"breakdown\": {")) << what;
+                    }
+                    if (std::ranges::any_of(m.parameters, [](Parameter const& p) { return std::isnan(p.value); })) {
+                        EXPECT_TRUE(m.failure) << what;
+                        EXPECT_FALSE(m.ljung_box.white()) << what;
+                        EXPECT_THAT(as_table(m), Not(HasSubstr("pass for white"))) << what;
+                    }
+                }
+    EXPECT_GT(broken, 0) << "the trial shows nothing";
+}
+/// The program: its exit code says whether the variant can be believed.
+TEST_F(Options, AVariantThatBrokeDownExitsWithOneAndIsNamed) {
+    write("slow.csv", damped(slow_input(1024), 0, 6).csv());
+    std::string const command = "rlslab identify slow.csv --input u --output y --order 10 --variant ";
+    Outcome const bad = shell(command + "conventional");
+    EXPECT_EQ(bad.code, 1) << bad.out;
+    EXPECT_THAT(bad.out + bad.err, Names("conventional row 1"));
+    EXPECT_THAT(not_numbers(bad.out + bad.err), testing::IsEmpty());
+    EXPECT_EQ(shell(command + "ud").code, 0);
+}
+/// One warning for one cause, and the variant it names is one that does better, by trial.
+TEST_F(Options, AVariantThatIsRecommendedDoesBetter) {
+    Data const record = damped(prbs(8, 250), 0.01, 6);
+    int named = 0;
+    for (CatalogueEntry const* const entry : one_entry_each()) {
+        IdentifyOptions options{.order = 4};
+        options.variant = entry->variant, options.p0 = 0x1p60;
+        Identified const m = run(options, record);
+        for (std::string const& warning : m.warnings())
+            if (auto const at = warning.find("--variant "); at != warning.npos) {
+                std::string const other = warning.substr(at + 10, warning.find_first_of(" :", at + 10) - at - 10);
+                EXPECT_NE(other, entry->variant);
+                options.variant = other;
+                Identified const better = run(options, record);
+                EXPECT_FALSE(better.failure) << other;
+                EXPECT_GT(better.digits, m.failure ? 0 : m.digits) << entry->variant << " -> " << other;
+                EXPECT_THAT(better.warnings(), Not(Contains(HasSubstr("--variant")))) << other;
+                ++named;
+            }
+    }
+    EXPECT_GT(named, 0);
 }
 
 }  // namespace

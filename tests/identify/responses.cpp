@@ -1,7 +1,7 @@
 // Modes, responses and their intervals: closed forms, coverage over many records, and what JSON and page say of them.
 #include "src/lab/identify/responses.hpp"
 #include "src/lab/identify/roots.hpp"
-#include "tests/identify/options.hpp"
+#include "tests/identify/said.hpp"
 
 #include <rlslab/model/fit.hpp>
 #include <rlslab/model/response.hpp>
@@ -212,20 +212,6 @@ TEST_F(Options, SecondsAreSamplesTimesTheSampleTime) {
     for (char const* figure : {"step", "frequency", "frequency-2", "poles", "constancy", "output"})
         EXPECT_THAT(page, HasSubstr(fmt::format("figure id=\"{}\"", figure)));
 }
-TEST_F(Options, ASampleTimeThatIsNoneIsRefused) {
-    for (char const* bad : {"0", "-1", "nan", "inf", "x", "1e-16", "1e16", "''"}) {
-        Outcome const run = program(fmt::format("data.csv --input u --output y --order 1 --sample-time {}", bad));
-        EXPECT_EQ(run.code, 2) << bad;
-        EXPECT_EQ(run.out, "") << bad;
-        EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-        EXPECT_THAT(run.err, Names("--sample-time")) << bad;
-    }
-    for (double const bad : {0.0, -1.0, std::nan(""), double(INFINITY)})
-        EXPECT_THAT(refusal({.order = 1, .sample_time = bad}), Names("--sample-time 1e-15 1e15"));
-    for (char const* good : {"1e-15", "1e15", "0.01"})
-        EXPECT_EQ(program(fmt::format("data.csv --input u --output y --order 1 --sample-time {}", good)).code, 0);
-}
-
 /// The responses of the JSON are those of the printed parameters.
 TEST_F(Options, ResponsesAreThoseOfTheParameters) {
     Identified const m = run({.inputs = {"u", "v"}, .order = 3});

@@ -1,7 +1,6 @@
 // CSV files of many dialects are read bit for bit, and a file that cannot be read is refused in one clear line.
-#include "tests/common/files.hpp"
-
-#include <rlslab/input/csv.hpp>
+#include "tests/common/same.hpp"
+#include "tests/input/read_text.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -22,29 +21,11 @@ namespace rlslab {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace read_text;
 using files::Folder, files::message_of;
-using Words = std::vector<std::string>;
-using Numbers = std::vector<double>;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 std::string const bom = "\xef\xbb\xbf";
-
-Columns read(std::string const& text, Words const& asked) {
-    Folder const folder;
-    return read_columns(folder.file(text), asked);
-}
-
-std::string refusal(std::string const& text, Words const& asked) {
-    Folder const folder;
-    return folder.without(message_of([&] { read_columns(folder.file(text), asked); }));
-}
-
-bool same_bits(double a, double b) {
-    return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-}
-bool same_bits(Numbers const& a, Numbers const& b) {
-    return std::ranges::equal(a, b, [](double x, double y) { return same_bits(x, y); });
-}
 
 TEST(Csv, ReadsColumnsByNameInTheOrderAsked) {
     auto const data = read("u,y,z\n1,2,3\n4,5,6\n", {"z", "u"});
@@ -83,13 +64,13 @@ TEST(Csv, QuotedCellsHoldQuotesSeparatorsAndLineEnds) {
     auto const data =
         read("\"a \"\"b\"\"\", \"note\" ,y\r\n\"1\",\"one,\r\ntwo\n\n#three\",\" 2 \"\n3,,\"\"\n", {"a \"b\"", "y"});
     EXPECT_EQ(data["a \"b\""], (Numbers{1, 3}));
-    EXPECT_TRUE(same_bits(data["y"], {2, missing}));
+    EXPECT_TRUE(same(data["y"], {2, missing}));
     EXPECT_EQ(data.lines, (std::vector<long>{2, 6}));
 }
 
 TEST(Csv, ReadsNumbersAsPeopleWriteThem) {
     auto const data = read("x\n+1.5\n -2e3 \n.5\n5.\n-0\n1E-3\n9007199254740993\n4.9e-324\n3e150\n", {"x"});
-    EXPECT_TRUE(same_bits(data["x"], {1.5, -2000, .5, 5, -0., 1e-3, 9007199254740992, 0x1p-1074, 3e150}));
+    EXPECT_TRUE(same(data["x"], {1.5, -2000, .5, 5, -0., 1e-3, 9007199254740992, 0x1p-1074, 3e150}));
 }
 
 TEST(Csv, ReadsMissingValuesAsPeopleWriteThem) {
@@ -284,7 +265,7 @@ RC_GTEST_PROP(Csv, WhatIsWrittenIsReadBitForBit, ()) {
     auto const data = read(text, names);
     RC_ASSERT(data.header == header);
     RC_ASSERT(data.rows() == Index(rows));
-    for (std::size_t j = 0; j < columns; ++j) RC_ASSERT(same_bits(data.values[j], table[j]));
+    for (std::size_t j = 0; j < columns; ++j) RC_ASSERT(same(data.values[j], table[j]));
 }
 
 TEST(CsvRecords, TheLabsRealRecords) {

@@ -1,8 +1,6 @@
 // Separators and decimal marks are found out, or given. A file that can be read in two ways, or is no table, is refused
 // in a line that names the remedy, unless another cell says which it is.
-#include "tests/common/files.hpp"
-
-#include <rlslab/input/csv.hpp>
+#include "tests/input/read_text.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -15,18 +13,7 @@
 namespace rlslab {
 namespace {
 
-using files::Folder, files::message_of;
-using Words = std::vector<std::string>;
-using Numbers = std::vector<double>;
-
-Columns read(std::string const& text, Words const& asked, CsvFormat format = {}) {
-    Folder const folder;
-    return read_columns(folder.file(text), asked, format);
-}
-std::string refusal(std::string const& text, Words const& asked, CsvFormat format = {}) {
-    Folder const folder;
-    return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
-}
+using namespace read_text;
 
 // --- decimal commas --------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 // Each dense kernel leaves the same bits with the registers of every instruction set that this machine has as in the
 // text for single rows, at every size up to 130 and for special values, whichever of them dispatch.hpp would choose.
 #include "tests/common/each_isa.hpp"
+#include "tests/common/same.hpp"
 
 #include <rlslab/core/random.hpp>
 #include <rlslab/linalg/kernels.hpp>
@@ -8,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace rlslab {
@@ -76,16 +76,6 @@ struct Operands {
         return out;
     }
 };
-
-/// The first place where two results differ in a bit; -1 for none. A NaN is a NaN.
-template <class T>
-long difference(std::vector<T> const& a, std::vector<T> const& b) {
-    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-    for (size_t i = 0; i < a.size(); ++i)
-        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i])))
-            return long(i);
-    return -1;
-}
 
 /// run(kernel) on a copy of the operands from which make(operands) takes the kernel.
 template <class T, class Make, class Run>

@@ -1,12 +1,12 @@
 // One order of evaluation: every variant gives the same bits on each instruction set, at a fixed size, and in a scalar
 // that the kernels' registers know nothing of (Counted: the hardware's arithmetic through the text for any arithmetic).
+#include "tests/common/same.hpp"
+
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
-
-#include <bit>
 
 namespace rlslab {
 namespace {
@@ -59,17 +59,6 @@ std::vector<T> trace_on(Isa isa, Index d, Index steps) {
     std::vector<T> out = trace<F, T>(d, steps);
     kernels::isa = before;
     return out;
-}
-
-/// The first place where two traces differ in a bit; -1 for none. A NaN is a NaN.
-template <class T>
-long difference(std::vector<T> const& a, std::vector<T> const& b) {
-    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-    if (a.size() != b.size()) return 0;
-    for (size_t i = 0; i < a.size(); ++i)
-        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i])))
-            return long(i);
-    return -1;
 }
 
 template <class T, template <class, int> class F>

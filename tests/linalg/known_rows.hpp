@@ -2,12 +2,12 @@
 #pragma once
 
 #include "tests/common/each_isa.hpp"
+#include "tests/common/same.hpp"
 #include "tests/common/twins.hpp"
 
 #include <rlslab/linalg/sweeps.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -38,15 +38,7 @@ T number(Seed& seed, Kind kind) {
     return x;
 }
 
-template <class T>
-bool same(T a, T b) {
-    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b) || (std::isnan(a) && std::isnan(b));
-}
-template <class T>
-bool same(std::vector<T> const& a, std::vector<T> const& b) {
-    return std::ranges::equal(a, b, [](T x, T y) { return same(x, y); });
-}
+using rlslab::same;
 
 /// So many rows of d such numbers.
 template <class T>

@@ -1,4 +1,6 @@
 // Batch fits do not depend on the units of the data, to the bit, from 2^-1000 to 2^1000; they end, and find ranks.
+#include "tests/common/same.hpp"
+
 #include <rlslab/core/random.hpp>
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/model/fit.hpp>
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <bit>
 #include <cmath>
 
 namespace rlslab {
@@ -34,9 +35,6 @@ Records times(Records records, std::vector<int> const& psi, int y) {
         for (Index k = 0; k < records.rows(); ++k) records.psi(j, k) = std::scalbn(records.psi(j, k), psi[size_t(j)]);
     for (double& v : records.y) v = std::scalbn(v, y);
     return records;
-}
-bool same(double a, double b) {
-    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b);
 }
 
 /// Whether b is the fit a of data in other units.

@@ -63,16 +63,6 @@ TEST_F(Program, SweepsAnExample) {
     ASSERT_EQ(shell("rlslab sweep --example sales --vary order=1,2 --vary variant=ud").code, 0);
     EXPECT_THAT(read(folder / "sweep/sweep.csv"), HasSubstr("# source: sales.csv, 150 rows"));
     ASSERT_EQ(shell("rlslab sweep --example airquality --vary variant=ud --out other").code, 0);
-    refused("sweep --example airquality --vary order=1,2 --out none", "--vary order --regressors");
-}
-TEST_F(Program, RefusesWhatIsNoExample) {
-    refused("compare --example longly", "--example longly longley");
-    refused("compare --example \"\"", "--example name");
-    refused("example salse", "example salse sales");
-    refused("compare ok.csv --example sales", "--example FILE");
-    refused("sweep ok.csv --example sales", "--example FILE");
-    refused("compare --output y", "compare FILE");
-    refused("compare ok.csv", "compare --output");
 }
 
 }  // namespace

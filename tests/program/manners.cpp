@@ -15,42 +15,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// --- did you mean ----------------------------------------------------------------------------------------------------
-
-TEST_F(Program, NamesTheCommandOptionVariantArithmeticStudyOrColumnThatWasMeant) {
-    refused("compair ok.csv", "compair compare");
-    refused("stduy --all", "stduy study");
-    refused("compare ok.csv --input u --ouptut y --order 1", "--ouptut --output");
-    refused("compare ok.csv --input=u --ouptut=y --order 1", "--ouptut --output");
-    refused("compare ok.csv --threats 1", "--threats --threads");
-    refused("study gain_error --buget full", "--buget --budget");
-    refused("--versoin", "--versoin --version");
-    std::string const model = "ok.csv --input u --output y --order 1";
-    refused("compare " + model + " --variants ud,jospeh", "--variants jospeh joseph");
-    refused("compare " + model + " --arithmetic doubel", "--arithmetic doubel double");
-    refused("compare ok.csv --input U --output y --order 1", "U u");
-    refused("identify " + model + " --variant extended", "--variant extended extended_qr");
-    refused("study gain_memory", "study gain_memory");
-}
-TEST_F(Program, SaysWhatAnOptionWants) {
-    refused("compare", "compare FILE --help");
-    refused("compare ok.csv", "compare --output COLUMN --help");
-    refused("compare ok.csv --output", "--output COLUMN");
-    refused("compare ok.csv --output --order 1", "--output COLUMN --order");
-    refused("compare ok.csv --variants --order=1", "--order=1");
-    refused("--color list", "--color auto always never list");
-    refused("--color --quiet list", "--color auto always never --quiet");
-    refused("list --json=false", "--json");
-    refused("list --quiet=maybe", "--quiet");
-    refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order");
-    refused("study --threads", "--threads N");
-    refused("list list", "list variants arithmetics rounding studies claims");
-    refused("list variant", "list variant variants");
-    refused("list variants studies", "studies --help");
-    refused("ok.csv", "ok.csv --input U --output Y --order N");
-    refused("ok.csv --input u", "ok.csv");
-    EXPECT_EQ(shell("rlslab simulate --a -0.5,0.25 --samples 30").code, 0) << "a number may begin with a minus";
-}
 TEST(Suggestion, IsTheNearestNameOrNone) {
     std::vector<std::string_view> const names{"conventional", "joseph", "qr", "ud", "extended_qr", ""};
     auto const meant = [&](std::string_view asked) { return std::string(rlslab::nearest(asked, names)); };
@@ -185,7 +149,6 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
     for (std::string const format : {"--json", "--csv"})
         EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
     EXPECT_TRUE(coloured(shell("rlslab study slicot --out out --color=always").out));
-    refused("list --color=sometimes", "--color auto always never sometimes");
     for (std::string const command : {"list", "simulate --samples 30", "excitation ok.csv --input u", "--version"})
         for (std::string const option : {"--quiet", "--color=never"}) {
             EXPECT_EQ(shell("rlslab " + option + " " + command).code, 0) << option << " " << command;
@@ -249,13 +212,6 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     }
     std::istringstream list(shell("rlslab list").out);
     for (std::string line; std::getline(list, line);) EXPECT_LE(line.size(), 79u) << line;
-    refused("help frob", "frob compare");
-    refused("help compair", "compair compare");
-    refused("help man page", "page");
-}
-TEST_F(Program, AMissingValueIsNamedByItsLine) {
-    write("gap.csv", "u,y\n1,2\n,3\n4,5\n");
-    refused("excitation gap.csv --input u", "gap.csv:3 u");
 }
 TEST_F(Program, SaysWhatIsInAState) {
     std::string const whole = rlslab::files::kept(RLSLAB_SOURCE_DIR "/tests/data/states.txt").at("ud-double");
@@ -265,9 +221,6 @@ TEST_F(Program, SaysWhatIsInAState) {
     EXPECT_EQ(run.out, "a state of ud in double with 4 parameters: format 2, 376 bytes\nud, edition 1\n");
     write("short.state", whole.substr(0, 200));
     refused("state short.state", "short.state 200");
-    write("data.csv", "u,y\n1,2\n");
-    refused("state data.csv", "data.csv something");
-    refused("state none.state", "none.state");
 }
 TEST_F(Program, AnInputThatIdentifiesNoModelIsAnAnswerThatIsNo) {
     write("constant.csv", "u\n1\n1\n1\n1\n1\n1\n1\n1\n");

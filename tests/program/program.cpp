@@ -20,69 +20,11 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST_F(Program, RefusesBadFilesInOneLine) {
-    std::string const options = " --input u --output y --order 1";
-    write("empty.csv", "");
-    write("text.csv", "u,y\n1,2\n3,abc\n");
-    write("short.csv", "u,y\n1,2\n");
-    write("constant.csv", "u,y\n" + rows(40, [](int) { return std::string("1"); }));
-    write("huge.csv", "u,y\n1,2\n1e308,2\n");
-    write("ragged.csv", "u,y\n1,2\n3\n");
-    refused("compare none.csv" + options, "none.csv");
-    refused("compare empty.csv" + options, "empty.csv");
-    refused("compare text.csv" + options, "text.csv:3 2 y abc");
-    refused("compare short.csv" + options, "short.csv 3 1");
-    refused("compare constant.csv" + options, "2 3 39 b0 b1");
-    refused("compare huge.csv" + options, "huge.csv:3 1 u");
-    refused("compare ragged.csv" + options, "ragged.csv:3 2");
-    refused("compare ." + options, "directory");
-    refused("compare ok.csv --input v --output y --order 1", "v u y");
-}
-TEST_F(Program, RefusesStudiesThatAreNotThere) {
-    refused("study", "study --all");
-    refused("study gain_error --all", "study --all");
-    refused("study gain_eror", "study gain_eror gain_error");
-    refused("study something", "study something list studies");
-    refused("study josef", "study josef joseph_basis");
-    refused("study gain_error --budget slow", "--budget quick full slow");
-    refused("study gain_error --seed -1", "--seed");
-    refused("study gain_error --threads 0", "--threads");
-    refused("study gain_error --out /dev/null/here", "/dev/null/here/figures");
-    EXPECT_FALSE(fs::exists(folder / "out"));
-}
 TEST_F(Program, RefusesAFolderThatAnotherRunIsWriting) {
     fs::create_directory(folder / "busy");
     rlslab::studies::FolderLock const other(folder / "busy");
     refused("study gain_error --out busy", "busy");
     EXPECT_FALSE(fs::exists(folder / "busy" / "gain_error.csv"));
-}
-TEST_F(Program, RefusesBadOptionsInOneLine) {
-    std::string const data = "compare ok.csv --input u --output y";
-    refused(data + " --order 0", "--order 1 1000 0");
-    refused(data + " --order abc", "--order 1 1000 abc");
-    refused(data, "--order");
-    refused(data + " --order 30", "61");
-    for (std::string const bad : {"0", "1.5", "nan", "-1", "inf", "x"})
-        refused(data + " --order 1 --forgetting " + bad, "--forgetting 0 1 " + bad);
-    for (std::string const bad : {"0", "-1", "nan", "inf"}) refused(data + " --order 1 --p0 " + bad, "--p0 " + bad);
-    refused(data + " --order 1 --delay -1", "--delay");
-    refused(data + " --order 1 --delay 1,0", "--delay one --regressors");
-    refused(data + " --order 1 --threads 0", "--threads");
-    refused(data + " --order 1 --variants ud,foo", "--variants foo conventional");
-    refused(data + " --order 1 --arithmetic foo", "--arithmetic foo bfloat16");
-    refused(data + " --order 1 --variants qr_sparse --arithmetic float", "--variants --arithmetic");
-    refused(data + " --order 1 --json --csv", "--json --csv");
-    refused(data + " --order 1 --na 2", "--order --na --nb");
-    refused(data + " --order 1 --regressors u", "--regressors");
-    refused(data + " --order 1 --bogus", "--bogus --help");
-    refused(data + " --order 1 --output u", "--output");
-    refused("frob", "frob compare study");
-    refused("frob list", "frob compare study");
-    refused("list frob", "list frob variants");
-    refused("compare ok.csv --input u --order 1", "--output");
-    refused("compare", "FILE");
-    refused("bogus", "bogus");
-    refused("", "compare study");
 }
 TEST_F(Program, ReadsStandardInput) {
     std::string const options = " --input u --output y --order 1 --arithmetic double";

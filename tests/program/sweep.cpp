@@ -146,22 +146,5 @@ TEST_F(Program, WarnsInASweepOfAColumnThatCounts) {
     EXPECT_EQ(swept.code, 0) << swept.err;
     EXPECT_THAT(swept.err, HasSubstr("rlslab: warning: column u counts upwards"));
 }
-TEST_F(Program, RefusesWhatASweepCannotVary) {
-    std::string const sweep = "sweep ok.csv --input u --output y --order 1 --out none ";
-    refused(sweep + "--vary kappa=1", "--vary kappa order forgetting prior arithmetic variant");
-    refused(sweep + "--vary forgetting", "--vary FACTOR=VALUE forgetting");
-    refused(sweep + "--vary forgetting=0", "--vary forgetting 0");
-    refused(sweep + "--vary forgetting=1.5", "--vary forgetting 1.5");
-    refused(sweep + "--vary forgetting=1,1", "--vary forgetting 1 twice");
-    refused(sweep + "--vary prior=-1", "--vary prior scaled -1");
-    refused(sweep + "--vary order=1,2", "--vary order --order");
-    refused(sweep + "--vary arithmetic=flot", "--vary arithmetic flot float");
-    refused(sweep + "--vary arithmetic=p1", "--vary arithmetic p1");
-    refused(sweep + "--vary variant=udd", "--vary variant udd ud");
-    refused(sweep + "--vary forgetting=1 --vary forgetting=0.9", "--vary forgetting twice");
-    refused(sweep + "--vary variant=qr_sparse --vary arithmetic=float,p11", "--vary variant that exists");
-    refused(sweep + "--fresh --part 1/2", "--fresh --part");
-    EXPECT_FALSE(fs::exists(folder / "none"));
-}
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include "tests/common/kept.hpp"
 #include "tests/common/laws.hpp"
+#include "tests/common/same.hpp"
 
 #include <rlslab/state/state_file.hpp>
 #include <rlslab/arithmetic/pack.hpp>
@@ -20,11 +21,6 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-bool same(Step<double> const& a, Step<double> const& b) {
-    return same(a.innovation, b.innovation) && same(a.residual, b.residual) && same(a.gamma, b.gamma) &&
-           a.health == b.health;
-}
 template <class A>
 bool same_numbers(A const& a, A const& b) {
     if (a.size() != b.size()) return false;

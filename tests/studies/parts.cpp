@@ -141,14 +141,6 @@ TEST_F(Parts, AreMergedFromFoldersOfTheirOwn) {
 }
 
 TEST_F(Parts, RefuseWhatDoesNotFit) {
-    for (char const* bad : {"0/2", "3/2", "1", "1/", "/2", "a/b", "1/2/3", "1/100001", "-1/2", "1.5/2", ""})
-        refused(std::string("study slicot --part \"") + bad + "\"", "--part I/N 1 N 100000");
-    refused("study slicot --part 1/2 --fresh", "--fresh --part");
-    refused("study slicot --part 1/2 --record r.json", "--record --part");
-    fs::create_directories(folder / "empty");
-    refused("merge empty", "empty --out --part .trials/run.json");
-    refused("merge nowhere", "nowhere --out");
-    refused("merge", "DIR");
     ASSERT_EQ(shell("rlslab study slicot --part 1/2 --out a").code, 0);
     ASSERT_EQ(shell("rlslab study slicot --part 2/2 --seed 2 --out b").code, 0);
     refused("merge a b --out c", "b");

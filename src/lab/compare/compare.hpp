@@ -32,7 +32,6 @@ struct CompareOptions {
     std::optional<double> digits = {};  ///< that the recommended variant keeps of theta's worst component; absent: 3
     Composition composition = {};  ///< around each variant; only in float and double, and in the record's order of rows
     std::uint64_t seed = 1;        ///< of stochastic rounding, and of the orders of rows
-    int draws = 0;                 ///< of the roundings, at most; 0: as many as it takes (draws.hpp)
     int threads = 0;               ///< 0: all cores; the results do not depend on it
     bool timings = true;           ///< false: ns_per_update is left out
 };

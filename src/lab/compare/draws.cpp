@@ -34,9 +34,7 @@ Records drawn(Records records, size_t draw) {
 size_t most_draws(Index rows, CompareOptions const& options) {
     if (!options.composition.empty()) return 1;
     constexpr Index together = Index(1) << 17;
-    Index const most =
-        options.draws > 0 ? std::min<Index>(options.draws, Index(std::size(factors))) : Index(std::size(factors));
-    return size_t(std::clamp<Index>(together / std::max<Index>(rows, 1), 1, most));
+    return size_t(std::clamp<Index>(together / std::max<Index>(rows, 1), 1, Index(std::size(factors))));
 }
 
 bool is_contender(Result const& r, std::vector<Result const*> const& sound) {

@@ -1,130 +1,30 @@
-// Warnings and what they tell a person to do: each appears where it should, and only there.
-#include "src/lab/identify/roots.hpp"
+// The parts that `identify` judges by, each beside closed forms, counts and fits by another hand: outliers, remarks,
+// delays, poles and zeros that cancel, gains, sums of recursive residuals, limits of noise models.
+#include "src/lab/identify/coloured.hpp"
+#include "src/lab/identify/constancy.hpp"
+#include "src/lab/identify/noise_limit.hpp"
 #include "src/lab/identify/remarks.hpp"
-#include "src/lab/identify/text.hpp"
-#include "tests/identify/options.hpp"
+#include "src/lab/identify/roots.hpp"
+#include "tests/identify/said.hpp"
 
 #include <rlslab/model/fit.hpp>
 #include <rlslab/model/outliers.hpp>
 
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 namespace rlslab {
 using namespace identify;
-using namespace report;
 namespace {
 
-using testing::Contains;
-using testing::HasSubstr;
 using Rank = Remark::Rank;
+using testing::Contains;
 using testing::IsEmpty;
-using testing::Not;
 
-Signal scaled(Signal x, double by) {
-    for (double& v : x) v *= by;
-    return x;
-}
-DifferenceEquation const order_three{.a = {-1.2, 0.7, -0.2}, .b = {{0, 1, 0.5, -0.4}}, .delay = 0, .c = 0};
-
-class Advice : public testing::Test {
-protected:
-    files::Folder const folder;
-    Identified identified(Signal const& u, Signal const& y, IdentifyOptions options = {}) const {
-        options.inputs = {"u"}, options.output = "y";
-        return identify::identify(folder.file(csv({u, y}, "u,y")), options);
-    }
-};
-
-// --- the order at the limit ------------------------------------------------------------------------------------------
-
-TEST_F(Advice, AnOrderAtTheLimitOfTheSearchNamesAHigherOne) {
-    Signal const u = prbs(9, 900), y = simulate(order_three, {u}, scaled(white_noise(900, Seed{1}), 0.05));
-    Identified const at_limit = identified(u, y, {.max_order = 2}), below = identified(u, y, {.max_order = 6}),
-                     given = identified(u, y, {.order = 2});
-    EXPECT_EQ(at_limit.order, 2);
-    EXPECT_THAT(at_limit.remarks, Contains(Says(Rank::order, "2 --max-order 4")));
-    EXPECT_EQ(below.order, 3);
-    EXPECT_THAT(below.warnings(), IsEmpty());
-    EXPECT_THAT(given.remarks, Not(Contains(Says(Rank::order, "2"))));
-}
-TEST_F(Advice, AnOrderThatTheInputLimitsAsksForARicherInput) {
-    Signal u(900), v = prbs(9, 900);
-    for (size_t k = 0; k < u.size(); ++k) u[k] = std::sin(0.3 * double(k)) + std::sin(0.9 * double(k));
-    Identified const m = identified(u, simulate(order_three, {u}, scaled(coloured_noise(900, {-0.5}, Seed{1}), 0.05)),
-                                    {.detrend = false});
-    ASSERT_EQ(m.excitation[0].order, 4);
-    ASSERT_EQ(m.order, 3);
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::order, "3 input")));
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::excitation, "u 4 3")));
+/// A remark of this rank that names these things.
+MATCHER_P2(Says, rank, things, "") {
+    return arg.rank == rank && testing::ExplainMatchResult(Names(things), arg.sentence, result_listener);
 }
 
-// --- worse than the mean ---------------------------------------------------------------------------------------------
-
-TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
-    Signal const u = white_noise(600, Seed{2});
-    Signal y(600, 0.0);
-    for (size_t k = 1; k < 600; ++k)
-        y[k] = (k < 400 ? 1 : -1) * u[k - 1] + 0.01 * Seed{k}.bell();  // the gain changes its sign
-    Identified const m = identified(u, y, {.order = 1});
-    EXPECT_LT(m.held_out_one_step, 0);
-    auto const worse =
-        Says(Rank::held_out, fmt::format("{:.3g} --order --validate --forgetting 0.99", m.held_out_one_step));
-    EXPECT_THAT(m.remarks, Contains(worse));
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::held_out, "")).Times(1)) << "one cause, one remark";
-    EXPECT_THAT(as_table(m), HasSubstr("warning: held out"));
-}
-/// A mean that is summed up leaves rounding of a level, and a spread of rounding is none.
-TEST_F(Advice, AHeldOutPartAtRestHasNoPercentage) {
-    for (double const level : {20.0, 20.3, 20.25, 0.1, 1e6 + 0.1}) {
-        Signal u(900, 0.0);
-        std::ranges::copy(prbs(7, 500), u.begin());
-        Signal y = simulate({.a = {-0.8}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, Signal(900, 0.0));
-        for (size_t k = 0; k < y.size(); ++k) y[k] = k < 600 ? y[k] + level + 1e-4 * Seed{k}.bell() : level;
-        Identified const m = identified(u, y, {.order = 1});
-        EXPECT_GT(m.fit_one_step, 99);
-        EXPECT_EQ(m.held_out_one_step, -INFINITY) << level;
-        EXPECT_THAT(m.remarks, Contains(Says(Rank::held_out, "y does not change there"))) << level;
-        EXPECT_THAT(m.warnings(), Not(Contains(HasSubstr("do not use it there"))));
-        EXPECT_EQ(fit_percent(Vector<double>::Constant(100, level), Vector<double>::Constant(100, level + 1)),
-                  -INFINITY);
-    }
-}
-TEST_F(Advice, AHeldOutPartThatIsPredictedButNotSimulated) {
-    Signal const u = scaled(white_noise(600, Seed{2}), 0.01);
-    Signal y(600, 0.0);
-    for (size_t k = 1; k < 600; ++k) y[k] = y[k - 1] + u[k - 1] + 0.3 * Seed{k}.bell();  // a random walk
-    Identified const m = identified(u, y, {.order = 1});
-    ASSERT_GT(m.held_out_one_step, 0);
-    ASSERT_LT(m.held_out_simulated, 0);
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::held_out, fmt::format("{:.3g}", m.held_out_simulated))));
-    EXPECT_THAT(m.remarks, Not(Contains(Says(Rank::held_out, "--validate"))));
-}
-
-// --- residuals that are not white ------------------------------------------------------------------------------------
-
-TEST_F(Advice, ResidualsThatAreNotWhiteSayWhatTheyFollow) {
-    Signal const u = prbs(9, 900);
-    // Noise with dynamics of its own: nothing to do with u.
-    Identified const coloured = identified(u,
-                                           simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u},
-                                                    scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
-                                           {.na = 0, .nb = {1}});
-    EXPECT_FALSE(coloured.ljung_box.white());
-    std::string const own_dynamics = fmt::format("{} --delay --forgetting 0.99", coloured.ljung_box.lags);
-    EXPECT_THAT(coloured.remarks, Contains(Says(Rank::whiteness, own_dynamics)));
-    // Order 1 of a system of order 3: they follow u.
-    Identified const low =
-        identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 1});
-    EXPECT_FALSE(low.ljung_box.white());
-    EXPECT_THAT(low.remarks, Contains(Says(Rank::order, "past u --order 2")));
-    EXPECT_THAT(low.remarks, Not(Contains(Says(Rank::whiteness, own_dynamics))));
-    Identified const right =
-        identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 3});
-    EXPECT_TRUE(right.ljung_box.white());
-    EXPECT_THAT(right.warnings(), IsEmpty());
-}
 /// A model whose structure was given and that nothing else is wrong with.
 Identified unremarkable() {
     Identified m{};
@@ -135,7 +35,7 @@ Identified unremarkable() {
     return m;
 }
 /// The bound is simultaneous: one lag beyond it is a trace of the input, whether the residuals pass for white or not.
-TEST_F(Advice, ResidualsThatFollowAnInputAreNamedWhiteOrNot) {
+TEST(AdviceParts, ResidualsThatFollowAnInputAreNamedWhiteOrNot) {
     auto const of_two_lags = [] {
         Identified m = unremarkable();
         m.terms = {{"b0", "u[k]", 0, 0}, {"b1", "u[k-1]", 0, 1}};
@@ -200,8 +100,11 @@ TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
     }
 }
 
-// --- delay -----------------------------------------------------------------------------------------------------------
-
+TEST(AdviceParts, APartAtRestHasNoFitInPercent) {
+    for (double const level : {20.0, 20.3, 20.25, 0.1, 1e6 + 0.1})
+        EXPECT_EQ(fit_percent(Vector<double>::Constant(100, level), Vector<double>::Constant(100, level + 1)),
+                  -INFINITY);
+}
 TEST(AdviceParts, LeadingCoefficientsThatMayBeZero) {
     std::vector<Term> const terms{{"a1", "", -1, 1},   {"b0", "", 0, 0},    {"b1", "", 0, 1}, {"b2", "", 0, 2},
                                   {"b0[v]", "", 1, 0}, {"b1[v]", "", 1, 1}, {"c", "", -2, 0}};
@@ -212,21 +115,6 @@ TEST(AdviceParts, LeadingCoefficientsThatMayBeZero) {
     EXPECT_EQ(idle_lead(terms, parameters, 1), 0) << "all of them: no delay explains that";
     parameters[1] = parameter(-2, -1e-9);
     EXPECT_EQ(idle_lead(terms, parameters, 0), 0);
-}
-TEST_F(Advice, ADelayIsFound) {
-    DifferenceEquation const late{.a = {-0.8}, .b = {{1, 0.5}}, .delay = 3, .c = 0};
-    Signal const u = prbs(9, 900), y = simulate(late, {u}, scaled(white_noise(900, Seed{4}), 0.05));
-    Identified const m = identified(u, y, {.order = 4});
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::delay, "3 u 0 --delay")));
-    EXPECT_THAT(as_table(m),
-                testing::AllOf(HasSubstr("hint: " + m.hints()[0].substr(0, 30)), HasSubstr("\nnext: --delay 3\n")));
-    Identified const then = identified(u, y, {.order = 1, .delay = {3}});
-    EXPECT_THAT(then.remarks, Not(Contains(Says(Rank::delay, ""))));
-    EXPECT_THAT(then.warnings(), IsEmpty());
-    EXPECT_NEAR(then.parameters[1].value, 1, 5 * then.parameters[1].sd);
-    EXPECT_EQ(then.parameters[1].regressor, "u[k-3]");
-    Identified const once = identified(u, y, {.order = 2, .delay = {2}});
-    EXPECT_THAT(once.remarks, Contains(Says(Rank::delay, "u 0 --delay 3")));
 }
 
 // --- poles and zeros that cancel -------------------------------------------------------------------------------------
@@ -314,29 +202,6 @@ TEST(Cancellations, OfSeveralInputsAreThoseOfAll) {
     EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{0, 1}, {2, -1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 0u)
         << "no zero at all";
 }
-TEST_F(Advice, PolesAndZerosThatCancelNameTheLowerOrder) {
-    // Order 1, fitted as order 2: the residuals of order 1 are white, too.
-    DifferenceEquation const one{.a = {-0.8}, .b = {{1, 0.5}}, .delay = 0, .c = 0};
-    Signal const u = prbs(9, 900), y = simulate(one, {u}, scaled(white_noise(900, Seed{4}), 0.3));
-    Identified const m = identified(u, y, {.order = 2});
-    ASSERT_EQ(m.cancellations.size(), 1u);
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::structure, "pole zero --order 1")));
-    EXPECT_THAT(identified(u, y, {.order = 1}).warnings(), IsEmpty());
-    EXPECT_THAT(identified(u, y, {.na = 2, .nb = {2}}).remarks, Contains(Says(Rank::structure, "pole zero --na --nb")));
-    // Noise of order 2 beside a path of order 1: the pair models the noise, and order 1 alone is not white.
-    DifferenceEquation const both{.a = {-0.8 + 1.0, 0.8 - 0.8, -0.64},
-                                  .b = {{1, 1.0, 0.8}},
-                                  .delay = 0,
-                                  .c = 0};  // (1 - 0.8/z)(1 + 1/z + 0.8/z^2)
-    Identified const with_noise =
-        identified(u, simulate(both, {u}, scaled(white_noise(900, Seed{6}), 0.3)), {.order = 3});
-    ASSERT_FALSE(with_noise.cancellations.empty());
-    EXPECT_THAT(with_noise.warnings(), Not(Contains(Names("pole zero"))));
-    EXPECT_THAT(with_noise.hints(), Contains(Names("3 pole zero 1")));
-}
-
-// --- gain and poles --------------------------------------------------------------------------------------------------
-
 TEST(Gains, AreNotGivenWhereAPoleMayLieAtOne) {
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}};
     DifferenceEquation const model{.a = {-0.9}, .b = {{2}}, .delay = 0, .c = 0};  // A(1) = 0.1
@@ -348,26 +213,166 @@ TEST(Gains, AreNotGivenWhereAPoleMayLieAtOne) {
     EXPECT_TRUE(std::isnan(of(0.0501, 2).first));
     EXPECT_TRUE(std::isnan(of(0.0499, 2.01).first));
 }
-TEST_F(Advice, APoleOutsideTheCircleIsNamed) {
-    Signal const u = prbs(9, 200), y = simulate({.a = {-1.02}, .b = {{0, 1}}, .delay = 0, .c = 0}, {u},
-                                                scaled(white_noise(200, Seed{8}), 0.1));
-    Identified const m = identified(u, y, {.order = 1, .detrend = false});
-    ASSERT_GE(std::abs(m.poles[0]), 1);
-    EXPECT_THAT(m.remarks, Contains(Says(Rank::structure, "pole")));
-    EXPECT_THAT(as_table(m), Not(HasSubstr("time constant"))) << "it has none";
+
+// --- noise models ----------------------------------------------------------------------------------------------------
+
+/// d = 1 by hand: A = sum phi z / sum phi^2, variance sigma^2 P / (2 A - 1). C = 1: sigma^2 P.
+TEST(NoiseLimit, IsThatOfOneParameterByHand) {
+    Matrix<double> const phi{{1, -2, 0, 3}}, P{{1 / 14.0}};
+    EXPECT_NEAR(limit_deviations(phi, {}, P, 4)[0], std::sqrt(4 / 14.0), 1e-15);
+    double const A = (1 - 2 * (-2 - 0.5) + 3 * (3 - 0.5 * (0 - 0.5 * -2.5))) / 14;
+    EXPECT_NEAR(limit_deviations(phi, {0.5}, P, 4)[0], std::sqrt(4 / 14.0 / (2 * A - 1)), 1e-14);
+    EXPECT_TRUE(std::isnan(limit_deviations(Matrix<double>{{1, 1}}, {1.5}, Matrix<double>{{0.5}}, 1)[0])) << "A = 1/4";
+}
+TEST(FarthestFromOne, IsThatOfAllFrequencies) {
+    EXPECT_EQ(farthest_from_one({-0.5}), 0.5);
+    EXPECT_EQ(farthest_from_one({0.5, -0.75}), 1.25);
+    EXPECT_NEAR(farthest_from_one({0.3, 0.2, 0.1}), 0.6, 1e-15);
+    EXPECT_NEAR(farthest_from_one({0, 0, 0, -0.9}), 0.9, 1e-15);
+    double most = 0;
+    for (int k = 0; k < 100000; ++k) {
+        double const w = 3.141592653589793 * k / 100000;
+        most = std::max(most, std::abs(0.5 - 0.4 * std::polar(1.0, w) + 0.3 * std::polar(1.0, 2 * w)));
+    }
+    EXPECT_NEAR(farthest_from_one({0.5, -0.4, 0.3}), most, 2e-3 * most);
 }
 
-// --- a standstill ----------------------------------------------------------------------------------------------------
+// --- sums of recursive residuals -------------------------------------------------------------------------------------
 
-TEST_F(Advice, AStandstillAtTheStartIsNamedFromTwentyOneSamplesOn) {
-    for (size_t const constant : {20u, 21u}) {
-        Signal u = white_noise(600, Seed{5});
-        for (size_t k = 0; k < constant; ++k) u[k] = 0.5;
-        Identified const m =
-            identified(u, simulate(order_three, {u}, scaled(white_noise(600, Seed{1}), 0.05)), {.order = 3});
-        EXPECT_EQ(m.excitation[0].constant_at_start, Index(constant));
-        EXPECT_EQ(testing::Value(m.remarks, Contains(Says(Rank::whiteness, "u 21 400"))), constant == 21);
+/// P(1/2 - U > c) for one number; for five a count over 100000 draws, with four of its standard deviations.
+TEST(SquaresLine, TailIsThatOfTheLargestExcess) {
+    for (double const c : {0.1, 0.25, 0.49}) EXPECT_NEAR(tail_of_largest_excess(1, c), 0.5 - c, 1e-15);
+    constexpr int draws = 100000, n = 5;
+    Seed seed{3};
+    for (double const c : {0.2, 0.4}) {
+        int beyond = 0;
+        for (int i = 0; i < draws; ++i) {
+            std::array<double, n> U;
+            for (double& u : U) u = seed.uniform();
+            std::ranges::sort(U);
+            bool is = false;
+            for (int j = 0; j < n; ++j) is |= (j + 1) / double(n + 1) - U[size_t(j)] > c;
+            beyond += is;
+        }
+        double const tail = tail_of_largest_excess(n, c);
+        EXPECT_NEAR(double(beyond) / draws, tail, 4 * std::sqrt(tail * (1 - tail) / draws)) << c;
     }
+}
+TEST(SquaresLine, SolvesTheTailAndPassesIntoTheFormula) {
+    for (double const tail : {0.025, 0.005}) {
+        double before = 1;
+        for (Index m = 6; m <= 1000; ++m) {
+            double const c = squares_line(m, tail);
+            EXPECT_LT(c, before) << m;
+            before = c;
+            if (m % 2 == 0 && m < 120) {
+                EXPECT_NEAR(tail_of_largest_excess(m / 2 - 1, c), tail, 1e-12) << m;
+            }
+            if (m % 2 == 0 && m >= 122) {
+                EXPECT_GT(tail_of_largest_excess(m / 2 - 1, c - 1e-4), tail) << m;
+                EXPECT_LT(tail_of_largest_excess(m / 2 - 1, c + 1e-4), tail) << m;
+            }
+        }
+    }
+    EXPECT_THROW(squares_line(3, 0.025), std::invalid_argument);
+    EXPECT_THROW(squares_line(100, 0.05), std::invalid_argument);
+}
+
+/// N rows of d regressors, with this theta up to row `change` and `after` from there on.
+Records record(std::uint64_t seed, Index N, Index change, Vector<double> const& theta, Vector<double> const& after) {
+    Index const d = theta.size();
+    Signal const x = white_noise(N * d, Seed{seed}), e = white_noise(N, Seed{seed + 50000});
+    Records out{.psi = Matrix<double>(d, N), .y = Vector<double>(N), .names = {}};
+    for (Index k = 0; k < N; ++k) {
+        for (Index i = 0; i < d; ++i) out.psi(i, k) = i == 0 ? 1 : x[size_t(k * d + i)];
+        out.y[k] = out.psi.col(k).dot(k < change ? theta : after) + e[size_t(k)];
+    }
+    return out;
+}
+std::vector<Index> counted(Index N) {
+    std::vector<Index> out;
+    for (Index k = 0; k < N; ++k) out.push_back(k);
+    return out;
+}
+Vector<double> const theta{{1, -0.5, 2}};
+
+/// Each w from a batch fit of the rows before; J is that of all rows.
+TEST(Constancy, ResidualsAreThoseOfFitsOfTheRowsBefore) {
+    constexpr Index N = 40, d = 3;
+    Records const rows = record(1, N, N, theta, theta);
+    Constancy const c = constancy(rows, counted(N), 0);
+    ASSERT_EQ(c.residuals.size(), size_t(N - d));
+    EXPECT_EQ(c.samples.front(), d);
+    double J = 0;
+    for (Index k = d; k < N; ++k) {
+        Records const before{.psi = rows.psi.leftCols(k), .y = rows.y.head(k), .names = {}};
+        Matrix<double> const M = before.psi * before.psi.transpose();
+        Vector<double> const at = M.ldlt().solve(before.psi * before.y), psi = rows.psi.col(k);
+        double const f = 1 + psi.dot(M.ldlt().solve(psi)), w = (rows.y[k] - psi.dot(at)) / std::sqrt(f);
+        EXPECT_NEAR(c.residuals[size_t(k - d)], w, 1e-10) << k;
+        J += w * w;
+    }
+    EXPECT_NEAR(J, fit(rows).J, 1e-10);
+    EXPECT_NEAR(c.squares.value.back(), 1, 1e-15);
+    double const m = N - d;
+    EXPECT_NEAR(c.cusum.upper.front(), 0.948 * std::sqrt(m) * (1 + 2 / m), 1e-12);
+    EXPECT_NEAR(c.cusum.upper.back(), 3 * 0.948 * std::sqrt(m), 1e-12);
+    EXPECT_NEAR(c.squares.upper[9] - 10 / m, c.c0, 1e-15);
+    EXPECT_NEAR(c.squares.lower[9] - 10 / m, -c.c0, 1e-15);
+}
+/// A regressor that is 0 at first determines theta later; nothing counts before.
+TEST(Constancy, BeginsWhereTheRowsDetermineTheta) {
+    Records rows = record(1, 40, 40, theta, theta);
+    for (Index k = 0; k < 10; ++k) rows.psi(2, k) = 0;
+    Constancy const c = constancy(rows, counted(40), 0);
+    EXPECT_EQ(c.samples.front(), 11) << "row 10 is the first with all three";
+    EXPECT_TRUE(constancy(record(1, 6, 6, theta, theta), counted(6), 0).samples.empty()) << "three residuals";
+    EXPECT_FALSE(constancy(record(1, 7, 7, theta, theta), counted(7), 0).samples.empty());
+    EXPECT_TRUE(constancy(record(1, 40, 40, theta, theta), counted(40), 1e9).samples.empty()) << "rounding alone";
+    rows.y[20] = INFINITY;
+    EXPECT_TRUE(constancy(rows, counted(40), 0).samples.empty());
+}
+TEST(Constancy, UnitsChangeNothing) {
+    Records const rows = record(1, 60, 60, theta, theta);
+    Constancy const c = constancy(rows, counted(60), 0);
+    for (int const e : {-400, 400}) {
+        Records scaled = rows;
+        scaled.y *= std::ldexp(1, e);
+        Constancy const of = constancy(scaled, counted(60), 0);
+        EXPECT_EQ(of.cusum.value, c.cusum.value) << e;
+        EXPECT_EQ(of.squares.value, c.squares.value) << e;
+    }
+}
+/// Without a change about 5 % of the paths leave their lines, and with one nearly all. 2000 records of 120 rows: a
+/// share of 0.05 has the standard deviation 0.005, and the budget is four of these. The line of the sum is approximate;
+/// the squares are looked at in each row, while their line is exact for each second one.
+TEST(Constancy, LeavesItsLinesAsOftenAsTheirLevelSays) {
+    constexpr int trials = 2000;
+    constexpr Index N = 120;
+    int sum = 0, squares = 0, sum_surely = 0, squares_surely = 0;
+    for (int i = 0; i < trials; ++i) {
+        Constancy const c = constancy(record(std::uint64_t(i), N, N, theta, theta), counted(N), 0);
+        sum += c.cusum.crosses.has_value(), squares += c.squares.crosses.has_value();
+        sum_surely += c.cusum.surely, squares_surely += c.squares.surely;
+    }
+    EXPECT_GT(double(sum) / trials, 0.02);
+    EXPECT_LT(double(sum) / trials, 0.05 + 4 * 0.005);
+    EXPECT_GT(double(squares) / trials, 0.05 - 4 * 0.005);
+    EXPECT_LT(double(squares) / trials, 0.05 + 4 * 0.005 + 0.01) << "each row, not each second one";
+    EXPECT_LT(double(sum_surely) / trials, 0.01 + 4 * 0.0022);
+    EXPECT_LT(double(squares_surely) / trials, 0.01 + 4 * 0.0022 + 0.003);
+    int of_mean = 0, of_slope = 0, near = 0;
+    for (int i = 0; i < 200; ++i) {
+        Constancy const mean =
+            constancy(record(std::uint64_t(i), N, 60, theta, theta + Vector<double>{{2, 0, 0}}), counted(N), 0);
+        Constancy const slope =
+            constancy(record(std::uint64_t(i), N, 60, theta, theta + Vector<double>{{0, 3, 0}}), counted(N), 0);
+        of_mean += mean.cusum.surely, of_slope += slope.squares.surely;
+        near += std::abs(slope.samples[size_t(slope.squares.farthest)] - 60) <= 5;
+    }
+    EXPECT_GT(of_mean, 190);
+    EXPECT_GT(of_slope, 190);
+    EXPECT_GT(near, 160) << "the row of the change";
 }
 
 }  // namespace
