@@ -6,6 +6,7 @@
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/core/process.hpp>
 #include <rlslab/state/state.hpp>
 
 #include <memory>
@@ -20,18 +21,30 @@ struct Abilities {
     bool information = false;  ///< has psi'P^-1 psi at hand
     bool guardable = false;
     bool variances = false;  ///< has P_jj and psi'P psi at hand
+    bool signals = false;    ///< is a guard
+    Index block = 0;         ///< rows that it takes at once; 0: one by one
 };
 
 template <class F>
 inline constexpr bool reports_variances =
     requires(F& f, Regressor<typename F::scalar> psi) { variance(f, Index(0)), variance_along(f, psi); };
 template <class F>
+constexpr Index block_of() {
+    if constexpr (TakesBlocks<F>) return F::block;
+    else return 0;
+}
+template <class F>
 inline constexpr Abilities abilities_by_type{.form = TimeUpdates<F> && reports_variances<F>,
                                              .inflates = Inflates<F>,
                                              .downdates = Downdates<F>,
                                              .information = ReportsInformationAlong<F>,
                                              .guardable = Guardable<F>,
-                                             .variances = reports_variances<F>};
+                                             .variances = reports_variances<F>,
+                                             .signals = requires(F & f){f.signal();
+}  // namespace rlslab
+, .block = block_of<F>()
+}
+;
 
 template <Real T>
 class AnyAdaptive;
@@ -66,6 +79,7 @@ public:
     static constexpr std::string_view name = "any";
     static constexpr bool hides_its_state = true;
     using View = Eigen::Map<Vector<T> const>;
+    using Rows = Eigen::Map<Matrix<T> const, 0, Eigen::OuterStride<>>;
 
     struct Interface {
         virtual ~Interface() = default;
@@ -73,6 +87,7 @@ public:
         virtual bool assign(Interface const& other) = 0;
         virtual Abilities abilities() const = 0;
         virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
+        virtual Step<T> process(Rows const& psi, View const& y) = 0;
         virtual Step<T> pass_time(StateVector<T>& scratch) = 0;
         virtual Innovation<T> look(Regressor<T> psi, T const& y) = 0;
         virtual Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) = 0;
@@ -97,6 +112,7 @@ public:
         virtual bool follows_a_rule() const = 0;
         virtual bool set_aside() const = 0;
         virtual bool restarted() const = 0;
+        virtual bool determined() = 0;
         virtual CompositionCounts counts() const = 0;
         virtual GuardSignal signal() const = 0;
         virtual std::string_view variant_name() const = 0;
@@ -130,6 +146,8 @@ public:
     }
 
     Step<T> update(Regressor<T> psi, T y) { return filter_->update(psi, y); }
+    /// As rlslab::process, without the heap but for what takes blocks.
+    Step<T> process(Rows const& psi, View const& y) { return filter_->process(psi, y); }
     Step<T> pass_time(StateVector<T>& scratch) { return filter_->pass_time(scratch); }
     Innovation<T> look(Regressor<T> psi, T y) { return filter_->look(psi, y); }
     Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) { return filter_->commit(row, psi, y); }
@@ -140,6 +158,7 @@ public:
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->abilities(); }
     T const* root_lambda() { return filter_->root_lambda(); }  ///< of the form; null where it holds none
+    bool determined() { return filter_->determined(); }        ///< theta, where nothing is composed around the form
 
     /// What Assessed asks for.
     Index rows() const { return filter_->window_rows(); }
@@ -201,7 +220,22 @@ struct AnyAdaptive<T>::Around final : Interface {
         return same != nullptr;
     }
     Abilities abilities() const override { return abilities_by_type<F>; }
-    Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
+    /// flatten: the update inlined, as where a type is used; half of what the call costs at 4 parameters.
+    [[gnu::flatten]] Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
+    Step<T> process(Rows const& psi, View const& y) override {
+        if constexpr (TakesBlocks<F> || TakesRowsAtOnce<F>) return rlslab::process(f, psi, y);
+        Step<T> last{undefined<T>(), undefined<T>(), undefined<RealOf<T>>()};
+        for (Index k = 0; k < y.size(); ++k) {
+            Regressor<T> const row(psi.col(k).data(), psi.rows());
+            if constexpr (Accumulates<F>)
+                if (k + 1 < y.size()) {
+                    f.accumulate(row, y[k]);
+                    continue;
+                }
+            last = f.update(row, y[k]);
+        }
+        return last;
+    }
     Step<T> pass_time(StateVector<T>& scratch) override { return detail::pass_time(f, scratch); }
     Innovation<T> look(Regressor<T> psi, T const& y) override {
         if constexpr (Guardable<F>) return detail::look_at(f, psi, y);
@@ -294,6 +328,12 @@ struct AnyAdaptive<T>::Around final : Interface {
     bool follows_a_rule() const override { return detail::has_a_rule(f); }
     bool set_aside() const override { return detail::guard_of(f).set_aside(); }
     bool restarted() const override { return detail::guard_of(f).restarted(); }
+    bool determined() override {
+        if constexpr (requires { f.form().lengths, f.form().D; })
+            return f.form().lengths.determined(f.form().L, f.form().D);
+        else if constexpr (requires { f.form().lengths; }) return f.form().lengths.determined(f.form().L);
+        else return true;
+    }
     CompositionCounts counts() const override {
         CompositionCounts out;
         if constexpr (requires { f.filter().composition_counts(); }) out = f.filter().composition_counts();

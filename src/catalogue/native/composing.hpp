@@ -13,10 +13,10 @@ std::unique_ptr<typename AnyAdaptive<T>::Interface> adaptive_named(std::string_v
                                                                    Problem<T> const& problem) {
     std::unique_ptr<typename AnyAdaptive<T>::Interface> out;
     for_each(Variants<T>{}, [&]<class F>() {
-        if constexpr (!TakesBlocks<F> && std::same_as<typename F::scalar, T>)
+        if constexpr (std::same_as<typename F::scalar, T>)
             if (F::name == variant) out = AnyAdaptive<T>::interface_around(F(problem));
     });
-    expects(out != nullptr, "a variant that takes single rows");
+    expects(out != nullptr, "the name of a variant");
     return out;
 }
 

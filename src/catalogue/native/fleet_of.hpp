@@ -1,7 +1,7 @@
 // A fleet of any variant behind the native interface.
 #pragma once
 
-#include <rlslab/catalogue/native/filter_of.hpp>
+#include <rlslab/catalogue/native/makers.hpp>
 #include <rlslab/many/fleet.hpp>
 
 namespace rlslab::native {

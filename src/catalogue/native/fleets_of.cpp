@@ -1,6 +1,5 @@
 // Fleets of the variants in one arithmetic, RLSLAB_NATIVE: float or double, eight filters at a time.
 #include <rlslab/catalogue/native/fleet_of.hpp>
-#include <rlslab/catalogue/native/makers.hpp>
 
 #include <rlslab/variants/variants.hpp>
 
