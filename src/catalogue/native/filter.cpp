@@ -1,4 +1,5 @@
 // A filter by name: plain numbers in and out of the one arithmetic or the other.
+#include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
 #include <variant>

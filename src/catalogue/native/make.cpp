@@ -1,4 +1,5 @@
 // Filters by name, and what is refused.
+#include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
 #include <rlslab/core/input_error.hpp>

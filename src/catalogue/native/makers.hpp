@@ -1,10 +1,17 @@
 // What a filter and a fleet by name are made of, in one arithmetic.
 #pragma once
 
-#include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/native/filter.hpp>
+#include <rlslab/core/problem.hpp>
+#include <rlslab/state/state_format.hpp>
 
 #include <functional>
+#include <string>
+
+namespace rlslab {
+template <Real T>
+class AnyAdaptive;
+}
 
 namespace rlslab::native {
 
