@@ -211,7 +211,7 @@ private:
     std::unique_ptr<Interface> filter_;
 
     explicit AnyAdaptive(std::unique_ptr<Interface> filter) : filter_(std::move(filter)) {}
-    static std::unique_ptr<Interface> named(std::string_view variant, Problem<T> const& problem);
+    static std::unique_ptr<Interface> named(std::string_view variant, Problem<T> const& problem);  // composing.hpp
 };
 
 template <Real T>
@@ -344,11 +344,5 @@ struct AnyAdaptive<T>::Around final : Interface {
         std::visit(show, visitor);
     }
 };
-
-// src/catalogue/native/compose.cpp, compiled for both arithmetics, defines these.
-template <>
-std::unique_ptr<AnyAdaptive<float>::Interface> AnyAdaptive<float>::named(std::string_view, Problem<float> const&);
-template <>
-std::unique_ptr<AnyAdaptive<double>::Interface> AnyAdaptive<double>::named(std::string_view, Problem<double> const&);
 
 }  // namespace rlslab

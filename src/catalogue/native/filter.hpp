@@ -126,12 +126,19 @@ std::span<std::string_view const> controls();
 
 /// M filters of one variant and one problem, which take a row each at a time, in lockstep (rlslab::Fleet).
 class Fleet {
+    Index size_, filters_;
+    std::string_view variant_, arithmetic_;
+
+protected:
+    Fleet(Index size, Index filters, std::string_view variant, std::string_view arithmetic)
+        : size_(size), filters_(filters), variant_(variant), arithmetic_(arithmetic) {}
+
 public:
     virtual ~Fleet() = default;
-    virtual Index size() const = 0;     ///< d
-    virtual Index filters() const = 0;  ///< M
-    virtual std::string_view variant() const = 0;
-    virtual std::string_view arithmetic() const = 0;
+    Index size() const { return size_; }        ///< d
+    Index filters() const { return filters_; }  ///< M
+    std::string_view variant() const { return variant_; }
+    std::string_view arithmetic() const { return arithmetic_; }
     /// A row for each filter: psi is M x d, filter m's row contiguous; y has M numbers. A row with a number that is not
     /// finite is missing: its filter stays as it was. Returns how many were missing. Numbers of the other arithmetic
     /// are rounded once.

@@ -24,12 +24,8 @@ std::string refusal_of(StateFault fault, std::span<std::byte const> from);
 template <Real T>
 std::unique_ptr<Filter> filter_of(std::function<AnyAdaptive<T>()> const& make);
 
-/// Null where there is none. src/catalogue/native/fleets_of.cpp defines them.
+/// Null where there is none. For float and double.
 template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const&);
-template <>
-std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<float> const&);
-template <>
-std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<double> const&);
 
 }  // namespace rlslab::native
