@@ -2,21 +2,16 @@
 #include <rlslab/catalogue/composed.hpp>
 
 #include <rlslab/catalogue/erase.hpp>
-#include <rlslab/catalogue/reference_compositions.hpp>
+#include <rlslab/catalogue/native/compose.hpp>
 
 namespace rlslab {
 namespace {
 
 template <Real T>
-class Composed final : public ComposedFilter {
-    Assessed<AnyAdaptive<T>> filter_;
+class Composed final : public Erased<Assessed<AnyAdaptive<T>>, ComposedFilter> {
+    using Base = Erased<Assessed<AnyAdaptive<T>>, ComposedFilter>;
+    using Base::filter_;
 
-    static Vector<T> rounded(Regressor<double> psi) {
-        return Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
-    }
-    static Step<double> in_doubles(Step<T> const& s) {
-        return {in_double(s.innovation), in_double(s.residual), in_double(s.gamma), s.health};
-    }
     /// Of a variant that does not tell its variances.
     static Interval<double> alone(T const& value) {
         double const none = std::numeric_limits<double>::quiet_NaN();
@@ -27,27 +22,9 @@ class Composed final : public ComposedFilter {
     }
 
 public:
-    Composed(AnyAdaptive<T> const& filter, T const& forgetting) : filter_(filter, forgetting) {}
+    Composed(AnyAdaptive<T> const& filter, T const& forgetting) : Base({filter, forgetting}, Seed{0}) {}
 
-    Step<double> update(Regressor<double> psi, double y) override {
-        return in_doubles(filter_.update(rounded(psi), round_to<T>(y)));
-    }
-    Step<double> update(Regressor<double>, double, Matrix<double> const&) override {
-        throw std::invalid_argument("expected a variant alone: a composition takes no errors in its gain");
-    }
-    Step<double> update_block(Records const& records, Index first, Index last) override {
-        double const none = std::numeric_limits<double>::quiet_NaN();
-        Step<double> step{none, none, none};
-        for (Index k = first; k < last; ++k) step = update(records.sample(k), records.y[k]);
-        return step;
-    }
-    Vector<Reference> theta() const override { return filter_.theta().unaryExpr(&widened<T>); }
-    Vector<Reference> gain() const override { return filter_.gain().unaryExpr(&widened<T>); }
-    Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
-    Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Composed>(*this); }
-    std::vector<std::byte> saved() const override { return saved_bytes(filter_); }
-    void load(std::span<std::byte const> from) override { load_bytes(filter_, from); }
     CompositionCounts counts() const override { return filter_.filter().composition_counts(); }
     double noise_variance() const override {
         return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan("");
@@ -57,7 +34,7 @@ public:
         return in_doubles(filter_.interval(j, T(q)));
     }
     Interval<double> prediction(Regressor<double> psi, double q) override {
-        Vector<T> const row = rounded(psi), theta = filter_.theta();
+        Vector<T> const row = rounded<T>(psi), theta = filter_.theta();
         if (!filter_.filter().abilities().variances) return alone(dot(row.data(), theta.data(), row.size()));
         return in_doubles(filter_.prediction(row, T(q)));
     }

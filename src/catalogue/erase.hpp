@@ -18,6 +18,11 @@ template <class T>
 double in_double(T const& x) {
     return static_cast<double>(x);
 }
+/// psi as T stores it.
+template <class T>
+Vector<T> rounded(Regressor<double> psi) {
+    return Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
+}
 /// The stored numbers rounded to binary64, except that a nonzero number never becomes zero: the zeros of a factor
 /// decide whether it is a triangle, and whether it is singular.
 template <class T>
@@ -42,11 +47,17 @@ void load_bytes(F& f, std::span<std::byte const> from) {
         throw InputError(refusal(fault, state_header(f), state_entries(f), from));
 }
 
-template <RecursiveLeastSquares F>
-class Erased final : public AnyFilter {
+/// F is a variant, or what is composed around one (composed.cpp).
+template <class F, class Interface = AnyFilter>
+class Erased : public Interface {
     using T = typename F::scalar;
     static constexpr bool at_run_time = std::same_as<T, VariablePrecision>;
+    static constexpr bool keeps_more = at_run_time || DataRounding<T>::stochastic;  // than the filter
+
+protected:
     F filter_;
+
+private:
     Seed seed_;
     [[no_unique_address]] ArithmeticOfNow<T> arithmetic_;
 
@@ -66,13 +77,10 @@ class Erased final : public AnyFilter {
 public:
     using scalar = T;
     static constexpr std::string_view name = F::name;
-    static constexpr std::string_view layer = at_run_time ? "format" : DataRounding<T>::stochastic ? "stream" : F::name;
+    static constexpr std::string_view layer = at_run_time ? "format" : "stream";
     static constexpr int edition = detail::edition_of<F>();
-    /// The filter, and where rounding is at random its stream.
-    static auto state(auto& e) {
-        if constexpr (DataRounding<T>::stochastic || at_run_time) return std::tie(e.filter_, e.seed_);
-        else return F::state(e.filter_);
-    }
+    /// Where it keeps more: the filter, and its stream.
+    static auto state(auto& e) { return std::tie(e.filter_, e.seed_); }
     /// Length and range stand in the state's header.
     static auto options(auto const& e)
         requires at_run_time
@@ -89,8 +97,7 @@ public:
 
     Step<double> update(Regressor<double> psi, double y) override {
         Within const within(*this, seed_);
-        Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
-        return step_in_double(filter_.update(row, round_to<T>(y)));
+        return step_in_double(filter_.update(rounded<T>(psi), round_to<T>(y)));
     }
     Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) override {
         if constexpr (GainPerturbable<F>) {
@@ -98,9 +105,8 @@ public:
             expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()),
                     "an error for each number of the gain");
             Within const within(*this, seed_);
-            Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
-            return step_in_double(
-                filter_.update(row, round_to<T>(y), RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
+            return step_in_double(filter_.update(rounded<T>(psi), round_to<T>(y),
+                                                 RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
         } else {
             throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " +
                                         std::string(F::name));
@@ -125,14 +131,19 @@ public:
     }
     Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
     Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
-    std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
+    std::unique_ptr<AnyFilter> clone() const override {
+        if constexpr (std::is_abstract_v<Erased>) throw std::logic_error("what has more to say copies itself");
+        else return std::make_unique<Erased>(*this);
+    }
     std::vector<std::byte> saved() const override {
         typename ArithmeticOfNow<T>::In const arithmetic(arithmetic_);
-        return saved_bytes(*this);
+        if constexpr (keeps_more) return saved_bytes(*this);
+        else return saved_bytes(filter_);
     }
     void load(std::span<std::byte const> from) override {
         typename ArithmeticOfNow<T>::In const arithmetic(arithmetic_);
-        load_bytes(*this, from);
+        if constexpr (keeps_more) load_bytes(*this, from);
+        else load_bytes(filter_, from);
     }
 };
 

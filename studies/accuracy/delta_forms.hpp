@@ -16,10 +16,6 @@ public:
         : lambda_(lambda), variance_(variance), d_(d), A_(Matrix<T>::Identity(d, d)), z_(d) {
         for (T& z : z_) z = T(0);
     }
-    virtual ~DeltaForm() = default;
-    virtual void update(Vector<T> psi, T y) = 0;
-    virtual Vector<T> theta() const = 0;
-    virtual Stored<T> stored() const = 0;
 
 protected:
     /// R^-1 z, R = A upper triangular.
@@ -48,7 +44,7 @@ public:
         using std::sqrt;
         for (Index i = 0; i < d; ++i) A_(i, i) = sqrt(variance);
     }
-    void update(Vector<T> psi, T y) override {
+    void update(Vector<T> psi, T y) {
         using std::sqrt;
         Vector<T> f(d_), v(d_);
         T s = T(0), e = y;
@@ -69,8 +65,8 @@ public:
         }
         for (Index i = 0; i < d_; ++i) z_[i] += e * (v[i] / s);
     }
-    Vector<T> theta() const override { return z_; }
-    Stored<T> stored() const override { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, A_}; }
+    Vector<T> theta() const { return z_; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, A_}; }
 };
 
 /// R_ij = t + (g_i x_j - t h_i), h_i = 1 - c_i = (s_{i-1} (1 - lambda) + u_i^2) / (s_i (1 + c_i)); letters of qr.
@@ -83,7 +79,7 @@ public:
         using std::sqrt;
         for (Index i = 0; i < d; ++i) A_(i, i) = T(1) / sqrt(variance);
     }
-    void update(Vector<T> x, T y) override {
+    void update(Vector<T> x, T y) {
         using std::sqrt;
         T before = lambda_;
         for (Index i = 0; i < d_; ++i) {
@@ -101,10 +97,8 @@ public:
             before = after;
         }
     }
-    Vector<T> theta() const override { return this->solved(); }
-    Stored<T> stored() const override {
-        return {Stored<T>::Quantity::information, Stored<T>::Form::factor, A_.transpose()};
-    }
+    Vector<T> theta() const { return this->solved(); }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, A_.transpose()}; }
 };
 
 /// D_i += w x_i^2 - D_i (1 - lambda), R_ij = t + s_i x_j' with the x_j' that is left; letters of gentleman.
@@ -117,7 +111,7 @@ public:
     GentlemanDelta(Index d, T lambda, T variance) : DeltaForm<T>(d, lambda, variance), D_(d) {
         for (T& x : D_) x = T(1) / variance;
     }
-    void update(Vector<T> x, T y) override {
+    void update(Vector<T> x, T y) {
         T w = T(1);
         for (Index i = 0; i < d_; ++i) {
             T const worn = lambda_ * D_[i], weighted = w * x[i], square = weighted * x[i], sum = worn + square,
@@ -134,10 +128,8 @@ public:
             w *= c;
         }
     }
-    Vector<T> theta() const override { return this->solved(); }
-    Stored<T> stored() const override {
-        return {Stored<T>::Quantity::information, Stored<T>::Form::factor, A_.transpose(), D_};
-    }
+    Vector<T> theta() const { return this->solved(); }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, A_.transpose(), D_}; }
 };
 
 }  // namespace rlslab::studies

@@ -1,6 +1,7 @@
 // A filter with a guard around it, or with none: its variant, arithmetic and policy are names.
 #pragma once
 
+#include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/core/input_error.hpp>

@@ -12,7 +12,7 @@ VariantAbilities abilities_of(std::string_view variant) {
         if (F::name != variant) return;
         out.single_rows = !TakesBlocks<F>;
         out.walks = std::constructible_from<F, Problem<double>, Matrix<double>>;
-        out.abilities = abilities_by_type<F>;
+        out.abilities = abilities_by_type<F>();
         for_each(Rules<double>{}, [&]<class Rule>() {
             if constexpr (ForgettingRule<Rule, F>) out.rules.push_back(Rule::name);
         });

@@ -6,9 +6,11 @@
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/core/process.hpp>
 #include <rlslab/state/state.hpp>
 
 #include <memory>
+#include <variant>
 
 namespace rlslab {
 
@@ -20,18 +22,31 @@ struct Abilities {
     bool information = false;  ///< has psi'P^-1 psi at hand
     bool guardable = false;
     bool variances = false;  ///< has P_jj and psi'P psi at hand
+    bool signals = false;    ///< is a guard
+    Index block = 0;         ///< rows that it takes at once; 0: one by one
 };
 
 template <class F>
 inline constexpr bool reports_variances =
     requires(F& f, Regressor<typename F::scalar> psi) { variance(f, Index(0)), variance_along(f, psi); };
 template <class F>
-inline constexpr Abilities abilities_by_type{.form = TimeUpdates<F> && reports_variances<F>,
-                                             .inflates = Inflates<F>,
-                                             .downdates = Downdates<F>,
-                                             .information = ReportsInformationAlong<F>,
-                                             .guardable = Guardable<F>,
-                                             .variances = reports_variances<F>};
+constexpr Abilities abilities_by_type() {
+    Abilities out{.form = TimeUpdates<F> && reports_variances<F>,
+                  .inflates = Inflates<F>,
+                  .downdates = Downdates<F>,
+                  .information = ReportsInformationAlong<F>,
+                  .guardable = Guardable<F>,
+                  .variances = reports_variances<F>};
+    if constexpr (requires(F& f) { f.signal(); }) out.signals = true;
+    if constexpr (TakesBlocks<F>) out.block = F::block;
+    return out;
+}
+
+/// What adapt/ does to a filter beside updates, and what it measures: the function of that name in
+/// <rlslab/adapt/time_update.hpp>, remove.hpp or diagnostics.hpp. determined: whether the rows determine theta, of a
+/// variant that starts without a prior and is alone; true of others.
+enum class Verb { set_forgetting, discount, inflate, reset, restart, cap_row, remove, pass_time };
+enum class Measure { variance, variance_along, information_along, watched_variance, symmetric_within, determined };
 
 template <Real T>
 class AnyAdaptive;
@@ -41,6 +56,27 @@ template <Real T>
 struct AnyForm {
     using scalar = T;
     typename AnyAdaptive<T>::Interface& filter;
+
+    friend void set_forgetting(AnyForm f, T const& lambda) { f.filter.act(Verb::set_forgetting, {.x = &lambda}); }
+    friend void discount(AnyForm f, T const& lambda) { f.filter.act(Verb::discount, {.x = &lambda}); }
+    friend void inflate(AnyForm f, T const& c, Regressor<T> a) { f.filter.act(Verb::inflate, {.x = &c, .psi = a}); }
+    friend void reset(AnyForm f, T const& variance, Regressor<T> theta) {
+        f.filter.act(Verb::reset, {.x = &variance, .psi = theta});
+    }
+    friend Removal<T> remove(AnyForm f, Regressor<T> psi, T const& y, T const& w) {
+        return f.filter.act(Verb::remove, {.x = &w, .y = &y, .psi = psi}).removal;
+    }
+    friend T variance(AnyForm f, Index j) { return f.filter.measure(Measure::variance, {.j = j}); }
+    friend T variance_along(AnyForm f, Regressor<T> psi) {
+        return f.filter.measure(Measure::variance_along, {.psi = psi});
+    }
+    friend T information_along(AnyForm f, Regressor<T> psi) {
+        return f.filter.measure(Measure::information_along, {.psi = psi});
+    }
+    friend T watched_variance(AnyForm f, Index j) { return f.filter.measure(Measure::watched_variance, {.j = j}); }
+    friend bool symmetric_within(AnyForm f, T const& share, Index i, Index j) {
+        return f.filter.measure(Measure::symmetric_within, {.x = &share, .i = i, .j = j}) == T(1);
+    }
 };
 
 namespace detail {
@@ -66,44 +102,48 @@ public:
     static constexpr std::string_view name = "any";
     static constexpr bool hides_its_state = true;
     using View = Eigen::Map<Vector<T> const>;
+    using Rows = Eigen::Map<Matrix<T> const, 0, Eigen::OuterStride<>>;
+
+    /// Of a verb or a measure, as it needs them.
+    struct Arguments {
+        T const *x = nullptr, *y = nullptr;
+        Regressor<T> psi{static_cast<T const*>(nullptr), 0};
+        StateVector<T>* scratch = nullptr;
+        Index i = 0, j = 0;
+    };
+    struct Outcome {
+        Step<T> step{};        ///< of cap_row and pass_time
+        Removal<T> removal{};  ///< of remove
+    };
+    /// What a filter says of itself, and Assessed asks for.
+    struct Account {
+        std::string_view variant;
+        Abilities abilities;
+        Index window_rows;
+        bool follows_a_rule, set_aside, restarted;
+        CompositionCounts counts = {};
+        T const* root_lambda;  ///< of the form; null where it holds none
+    };
+    using StateVisitor =
+        std::variant<detail::EntryVisitor const*, detail::Measuring*, detail::Writing*, detail::Reading*>;
 
     struct Interface {
         virtual ~Interface() = default;
         virtual std::unique_ptr<Interface> clone() const = 0;
         virtual bool assign(Interface const& other) = 0;
-        virtual Abilities abilities() const = 0;
+        virtual Account account() = 0;
+        virtual GuardSignal signal() const = 0;
         virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
-        virtual Step<T> pass_time(StateVector<T>& scratch) = 0;
+        virtual Step<T> process(Rows const& psi, View const& y) = 0;
         virtual Innovation<T> look(Regressor<T> psi, T const& y) = 0;
         virtual Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) = 0;
         virtual View theta() const = 0;
         virtual View gain() const = 0;
         virtual Stored<T> stored() const = 0;
         virtual Matrix<T> matrix() const = 0;
-        virtual void set_forgetting(T const& lambda) = 0;
-        virtual void discount(T const& lambda) = 0;
-        virtual void inflate(T const& c, Regressor<T> a) = 0;
-        virtual void reset(T const& variance, Regressor<T> theta) = 0;
-        virtual void restart(T const& variance, Regressor<T> theta, T const& lambda) = 0;
-        virtual Step<T> cap_row(Regressor<T> psi, T const& y, T const& lambda) = 0;
-        virtual Removal<T> remove(Regressor<T> psi, T const& y, T const& w) = 0;
-        virtual T variance(Index j) = 0;
-        virtual T variance_along(Regressor<T> psi) = 0;
-        virtual T information_along(Regressor<T> psi) = 0;
-        virtual T watched_variance(Index j) = 0;
-        virtual bool symmetric_within(T const& share, Index i, Index j) = 0;
-        virtual T const* root_lambda() = 0;
-        virtual Index window_rows() const = 0;
-        virtual bool follows_a_rule() const = 0;
-        virtual bool set_aside() const = 0;
-        virtual bool restarted() const = 0;
-        virtual CompositionCounts counts() const = 0;
-        virtual GuardSignal signal() const = 0;
-        virtual std::string_view variant_name() const = 0;
-        virtual void describe_state(detail::EntryVisitor to) const = 0;
-        virtual void walk_state(detail::Measuring& to) const = 0;
-        virtual void walk_state(detail::Writing& to) const = 0;
-        virtual void walk_state(detail::Reading& to) = 0;
+        virtual Outcome act(Verb verb, Arguments const& with) = 0;
+        virtual T measure(Measure what, Arguments const& with) = 0;
+        virtual void show_state(StateVisitor const& to) = 0;
     };
 
     /// The variant of that name, which must exist in T. Throws std::invalid_argument as the variant does, or for
@@ -130,7 +170,9 @@ public:
     }
 
     Step<T> update(Regressor<T> psi, T y) { return filter_->update(psi, y); }
-    Step<T> pass_time(StateVector<T>& scratch) { return filter_->pass_time(scratch); }
+    /// As rlslab::process, without the heap but for what takes blocks.
+    Step<T> process(Rows const& psi, View const& y) { return filter_->process(psi, y); }
+    Step<T> pass_time(StateVector<T>& scratch) { return filter_->act(Verb::pass_time, {.scratch = &scratch}).step; }
     Innovation<T> look(Regressor<T> psi, T y) { return filter_->look(psi, y); }
     Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) { return filter_->commit(row, psi, y); }
     View theta() const { return filter_->theta(); }
@@ -138,39 +180,29 @@ public:
     Stored<T> stored() const { return filter_->stored(); }
     Matrix<T> matrix() const { return filter_->matrix(); }  ///< P, or P^-1: as stored() has it
     AnyForm<T> form() { return {*filter_}; }
-    Abilities abilities() const { return filter_->abilities(); }
-    T const* root_lambda() { return filter_->root_lambda(); }  ///< of the form; null where it holds none
+    Abilities abilities() const { return filter_->account().abilities; }
+    T const* root_lambda() { return filter_->account().root_lambda; }
+    bool determined() { return filter_->measure(Measure::determined, {}) == T(1); }
 
-    /// What Assessed asks for.
-    Index rows() const { return filter_->window_rows(); }
+    Index rows() const { return filter_->account().window_rows; }
     Index refactored() const { return composition_counts().refactored; }
-    bool follows_a_rule() const { return filter_->follows_a_rule(); }
-    bool set_aside() const { return filter_->set_aside(); }
-    bool restarted() const { return filter_->restarted(); }
-    CompositionCounts composition_counts() const { return filter_->counts(); }
+    bool follows_a_rule() const { return filter_->account().follows_a_rule; }
+    bool set_aside() const { return filter_->account().set_aside; }
+    bool restarted() const { return filter_->account().restarted; }
+    CompositionCounts composition_counts() const { return filter_->account().counts; }
     GuardSignal signal() const { return filter_->signal(); }
 
     /// For rlslab::save and load.
-    std::string_view variant_name() const { return filter_->variant_name(); }
-    void describe_state(detail::EntryVisitor to) const { filter_->describe_state(to); }
-    template <class To>
-    void walk_state(To& to) const {
-        std::as_const(*filter_).walk_state(to);
-    }
-    void walk_state(detail::Reading& to) { filter_->walk_state(to); }
+    std::string_view variant_name() const { return filter_->account().variant; }
+    void describe_state(detail::EntryVisitor to) const { filter_->show_state(&to); }
+    void walk_state(auto& to) const { filter_->show_state(&to); }
 
-    /// Instead of those by form: what is inside may have its own.
-    friend T variance(AnyAdaptive& f, Index j) { return f.filter_->variance(j); }
-    friend T variance_along(AnyAdaptive& f, Regressor<T> psi) { return f.filter_->variance_along(psi); }
-    friend T watched_variance(AnyAdaptive& f, Index j) { return f.filter_->watched_variance(j); }
-    friend bool symmetric_within(AnyAdaptive& f, T const& share, Index i, Index j) {
-        return f.filter_->symmetric_within(share, i, j);
-    }
+    /// What is inside may have its own.
     friend void restart(AnyAdaptive& f, T const& variance, Regressor<T> theta, T const& lambda) {
-        f.filter_->restart(variance, theta, lambda);
+        f.filter_->act(Verb::restart, {.x = &variance, .y = &lambda, .psi = theta});
     }
     friend Step<T> cap_row(AnyAdaptive& f, Regressor<T> psi, T const& y, T const& lambda) {
-        return f.filter_->cap_row(psi, y, lambda);
+        return f.filter_->act(Verb::cap_row, {.x = &lambda, .y = &y, .psi = psi}).step;
     }
 
 private:
@@ -179,7 +211,7 @@ private:
     std::unique_ptr<Interface> filter_;
 
     explicit AnyAdaptive(std::unique_ptr<Interface> filter) : filter_(std::move(filter)) {}
-    static std::unique_ptr<Interface> named(std::string_view variant, Problem<T> const& problem);
+    static std::unique_ptr<Interface> named(std::string_view variant, Problem<T> const& problem);  // composing.hpp
 };
 
 template <Real T>
@@ -200,9 +232,44 @@ struct AnyAdaptive<T>::Around final : Interface {
         if (same) f = same->f;
         return same != nullptr;
     }
-    Abilities abilities() const override { return abilities_by_type<F>; }
-    Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
-    Step<T> pass_time(StateVector<T>& scratch) override { return detail::pass_time(f, scratch); }
+    Account account() override {
+        auto const& guard = detail::guard_of(f);
+        Account out{.variant = detail::variant_of(f),
+                    .abilities = abilities_by_type<F>(),
+                    .window_rows = detail::window_rows(f),
+                    .follows_a_rule = detail::has_a_rule(f),
+                    .set_aside = guard.set_aside(),
+                    .restarted = guard.restarted(),
+                    .root_lambda = detail::root_lambda_of(f)};
+        if constexpr (requires { f.filter().composition_counts(); }) out.counts = f.filter().composition_counts();
+        if constexpr (requires { f.since(); }) out.counts.refactored = f.refactored(), out.counts.since = f.since();
+        if constexpr (requires { f.counts().windups; }) {
+            GuardCounts const& n = f.counts();
+            out.counts.unusable = n.unusable, out.counts.outliers = n.outliers, out.counts.changes = n.changes;
+            out.counts.windups = n.windups, out.counts.breakdowns = n.breakdowns;
+        }
+        return out;
+    }
+    GuardSignal signal() const override {
+        if constexpr (requires { f.signal(); }) return f.signal();
+        else return GuardSignal::none;
+    }
+    /// flatten: the update inlined, as where a type is used; half of what the call costs at 4 parameters.
+    [[gnu::flatten]] Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
+    Step<T> process(Rows const& psi, View const& y) override {
+        if constexpr (TakesBlocks<F> || TakesRowsAtOnce<F>) return rlslab::process(f, psi, y);
+        Step<T> last{undefined<T>(), undefined<T>(), undefined<RealOf<T>>()};
+        for (Index k = 0; k < y.size(); ++k) {
+            Regressor<T> const row(psi.col(k).data(), psi.rows());
+            if constexpr (Accumulates<F>)
+                if (k + 1 < y.size()) {
+                    f.accumulate(row, y[k]);
+                    continue;
+                }
+            last = f.update(row, y[k]);
+        }
+        return last;
+    }
     Innovation<T> look(Regressor<T> psi, T const& y) override {
         if constexpr (Guardable<F>) return detail::look_at(f, psi, y);
         else cannot();
@@ -228,141 +295,54 @@ struct AnyAdaptive<T>::Around final : Interface {
     }
     Stored<T> stored() const override { return f.stored(); }
     Matrix<T> matrix() const override { return detail::reported_matrix(f); }
-    void set_forgetting(T const& lambda) override {
-        using rlslab::set_forgetting;
-        if constexpr (TimeUpdates<F>) set_forgetting(f, lambda);
-        else cannot();
-    }
-    void discount(T const& lambda) override {
-        using rlslab::discount;
-        if constexpr (TimeUpdates<F>) discount(f, lambda);
-        else cannot();
-    }
-    void inflate(T const& c, Regressor<T> a) override {
-        using rlslab::inflate;
-        if constexpr (Inflates<F>) inflate(f, c, a);
-        else cannot();
-    }
-    void reset(T const& variance, Regressor<T> theta) override {
-        using rlslab::reset;
-        if constexpr (TimeUpdates<F>) reset(f, variance, theta);
-        else cannot();
-    }
-    void restart(T const& variance, Regressor<T> theta, T const& lambda) override {
-        using rlslab::restart;
-        if constexpr (Guardable<F>) restart(f, variance, theta, lambda);
-        else cannot();
-    }
-    Step<T> cap_row(Regressor<T> psi, T const& y, T const& lambda) override {
-        using rlslab::cap_row;
-        if constexpr (Guardable<F>) return cap_row(f, psi, y, lambda);
-        else cannot();
-    }
-    Removal<T> remove(Regressor<T> psi, T const& y, T const& w) override {
-        using rlslab::remove;
-        if constexpr (Downdates<F>) return remove(f, psi, y, w);
-        else cannot();
-    }
-    T variance(Index j) override {
-        using rlslab::variance;
-        if constexpr (reports_variances<F>) return variance(f, j);
-        else cannot();
-    }
-    T variance_along(Regressor<T> psi) override {
-        using rlslab::variance_along;
-        if constexpr (reports_variances<F>) return variance_along(f, psi);
-        else cannot();
-    }
-    T information_along(Regressor<T> psi) override {
-        using rlslab::information_along;
-        if constexpr (ReportsInformationAlong<F>) return information_along(f, psi);
-        else cannot();
-    }
-    T watched_variance(Index j) override {
-        using rlslab::watched_variance;
-        if constexpr (Guardable<F>) return watched_variance(f, j);
-        else cannot();
-    }
-    /// True of what cannot lose it: a guard then finds nothing, as where it does not look.
-    bool symmetric_within(T const& share, Index i, Index j) override {
-        using rlslab::symmetric_within;
-        if constexpr (requires { symmetric_within(f, share, i, j); }) return symmetric_within(f, share, i, j);
-        else return true;
-    }
-    T const* root_lambda() override { return detail::root_lambda_of(f); }
-    Index window_rows() const override { return detail::window_rows(f); }
-    bool follows_a_rule() const override { return detail::has_a_rule(f); }
-    bool set_aside() const override { return detail::guard_of(f).set_aside(); }
-    bool restarted() const override { return detail::guard_of(f).restarted(); }
-    CompositionCounts counts() const override {
-        CompositionCounts out;
-        if constexpr (requires { f.filter().composition_counts(); }) out = f.filter().composition_counts();
-        if constexpr (requires { f.since(); }) out.refactored = f.refactored(), out.since = f.since();
-        if constexpr (requires { f.counts().windups; }) {
-            GuardCounts const& n = f.counts();
-            out.unusable = n.unusable, out.outliers = n.outliers, out.changes = n.changes, out.windups = n.windups;
-            out.breakdowns = n.breakdowns;
+    Outcome act(Verb verb, [[maybe_unused]] Arguments const& with) override {
+        if (verb == Verb::pass_time) return {.step = detail::pass_time(f, *with.scratch)};
+        if constexpr (TimeUpdates<F>) {
+            if (verb == Verb::set_forgetting) return set_forgetting(f, *with.x), Outcome{};
+            if (verb == Verb::discount) return discount(f, *with.x), Outcome{};
+            if (verb == Verb::reset) return reset(f, *with.x, with.psi), Outcome{};
         }
-        return out;
+        if constexpr (Inflates<F>)
+            if (verb == Verb::inflate) return inflate(f, *with.x, with.psi), Outcome{};
+        if constexpr (Guardable<F>) {
+            if (verb == Verb::restart) return restart(f, *with.x, with.psi, *with.y), Outcome{};
+            if (verb == Verb::cap_row) return {.step = cap_row(f, with.psi, *with.y, *with.x)};
+        }
+        if constexpr (Downdates<F>)
+            if (verb == Verb::remove) return {.removal = remove(f, with.psi, *with.y, *with.x)};
+        cannot();
     }
-    GuardSignal signal() const override {
-        if constexpr (requires { f.signal(); }) return f.signal();
-        else return GuardSignal::none;
+    T measure(Measure what, [[maybe_unused]] Arguments const& with) override {
+        if constexpr (reports_variances<F>) {
+            if (what == Measure::variance) return variance(f, with.j);
+            if (what == Measure::variance_along) return variance_along(f, with.psi);
+        }
+        if constexpr (Guardable<F>)
+            if (what == Measure::watched_variance) return watched_variance(f, with.j);
+        if constexpr (ReportsInformationAlong<F>)
+            if (what == Measure::information_along) return information_along(f, with.psi);
+        if (what == Measure::symmetric_within) {
+            if constexpr (requires { symmetric_within(f, *with.x, with.i, with.j); })
+                return T(symmetric_within(f, *with.x, with.i, with.j) ? 1 : 0);
+            else return T(1);  // cannot lose it: a guard finds nothing, as where it does not look
+        }
+        if (what == Measure::determined) {
+            if constexpr (requires { f.form().lengths, f.form().D; })
+                return T(f.form().lengths.determined(f.form().L, f.form().D) ? 1 : 0);
+            else if constexpr (requires { f.form().lengths; })
+                return T(f.form().lengths.determined(f.form().L) ? 1 : 0);
+            else return T(1);
+        }
+        cannot();
     }
-    std::string_view variant_name() const override { return detail::variant_of(f); }
-    void describe_state(detail::EntryVisitor to) const override { detail::describe(to, f); }
-    void walk_state(detail::Measuring& to) const override { detail::walk(to, f); }
-    void walk_state(detail::Writing& to) const override { detail::walk(to, f); }
-    void walk_state(detail::Reading& to) override { detail::walk(to, f); }
+    void show_state(StateVisitor const& visitor) override {
+        auto const show = [this]<class To>(To* to) {
+            if constexpr (std::same_as<To, detail::EntryVisitor const>) detail::describe(*to, f);
+            else if constexpr (std::same_as<To, detail::Reading>) detail::walk(*to, f);
+            else detail::walk(*to, std::as_const(f));
+        };
+        std::visit(show, visitor);
+    }
 };
-
-// src/catalogue/native/compose.cpp, compiled for both arithmetics, defines these.
-template <>
-std::unique_ptr<AnyAdaptive<float>::Interface> AnyAdaptive<float>::named(std::string_view, Problem<float> const&);
-template <>
-std::unique_ptr<AnyAdaptive<double>::Interface> AnyAdaptive<double>::named(std::string_view, Problem<double> const&);
-
-// --- a form that only the run knows ----------------------------------------------------------------------------------
-
-template <Real T>
-void set_forgetting(AnyForm<T> f, T const& lambda) {
-    f.filter.set_forgetting(lambda);
-}
-template <Real T>
-void discount(AnyForm<T> f, T const& lambda) {
-    f.filter.discount(lambda);
-}
-template <Real T>
-void inflate(AnyForm<T> f, T const& c, Regressor<T> a) {
-    f.filter.inflate(c, a);
-}
-template <Real T>
-void reset(AnyForm<T> f, T const& variance, Regressor<T> theta) {
-    f.filter.reset(variance, theta);
-}
-template <Real T>
-Removal<T> remove(AnyForm<T> f, Regressor<T> psi, T const& y, T const& w) {
-    return f.filter.remove(psi, y, w);
-}
-template <Real T>
-T variance(AnyForm<T> f, Index j) {
-    return f.filter.variance(j);
-}
-template <Real T>
-T variance_along(AnyForm<T> f, Regressor<T> psi) {
-    return f.filter.variance_along(psi);
-}
-template <Real T>
-T information_along(AnyForm<T> f, Regressor<T> psi) {
-    return f.filter.information_along(psi);
-}
-template <Real T>
-T watched_variance(AnyForm<T> f, Index j) {
-    return f.filter.watched_variance(j);
-}
-template <Real T>
-bool symmetric_within(AnyForm<T> f, T const& share, Index i, Index j) {
-    return f.filter.symmetric_within(share, i, j);
-}
 
 }  // namespace rlslab

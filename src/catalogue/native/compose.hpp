@@ -6,17 +6,11 @@
 namespace rlslab {
 
 /// The composition around the variant, numbers rounded to T. Throws std::invalid_argument where they are then no
-/// options: a variance that is 0 or infinite there. There is no contradiction and no obstacle.
+/// options: a variance that is 0 or infinite there. There is no contradiction and no obstacle. Exists in float and
+/// double (compose.cpp), and in Reference (reference_compositions.cpp).
 template <Real T>
 AnyAdaptive<T> composed_around(Composition const& composition, GuardOptions<double> const& guard_options,
                                std::string_view variant, Problem<T> const& problem);
-// src/catalogue/native/compose.cpp, compiled for both arithmetics, defines these.
-template <>
-AnyAdaptive<float> composed_around(Composition const&, GuardOptions<double> const&, std::string_view,
-                                   Problem<float> const&);
-template <>
-AnyAdaptive<double> composed_around(Composition const&, GuardOptions<double> const&, std::string_view,
-                                    Problem<double> const&);
 
 /// What a variant can do, in double.
 struct VariantAbilities {

@@ -6,20 +6,21 @@
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab::detail {
+namespace rlslab {
 
 template <Real T>
-std::unique_ptr<typename AnyAdaptive<T>::Interface> adaptive_named(std::string_view variant,
-                                                                   Problem<T> const& problem) {
-    std::unique_ptr<typename AnyAdaptive<T>::Interface> out;
+std::unique_ptr<typename AnyAdaptive<T>::Interface> AnyAdaptive<T>::named(std::string_view variant,
+                                                                          Problem<T> const& problem) {
+    std::unique_ptr<Interface> out;
     for_each(Variants<T>{}, [&]<class F>() {
-        if constexpr (!TakesBlocks<F> && std::same_as<typename F::scalar, T>)
-            if (F::name == variant) out = AnyAdaptive<T>::interface_around(F(problem));
+        if constexpr (std::same_as<typename F::scalar, T>)
+            if (F::name == variant) out = interface_around(F(problem));
     });
-    expects(out != nullptr, "a variant that takes single rows");
+    expects(out != nullptr, "the name of a variant");
     return out;
 }
 
+namespace detail {
 /// Kalman's filter with a random walk of its own, Q = q I at every row, and the reports that intervals need.
 template <Real T>
 struct Walking {
@@ -96,20 +97,21 @@ AnyAdaptive<T> with_guard(Composition const& c, GuardOptions<double> const& give
     return out;
 }
 
-/// composed_around(), which is declared for the arithmetics one by one.
+}  // namespace detail
+
 template <Real T>
-AnyAdaptive<T> composition_around(Composition const& c, GuardOptions<double> const& guard_options,
-                                  std::string_view variant, Problem<T> const& problem) {
+AnyAdaptive<T> composed_around(Composition const& c, GuardOptions<double> const& guard_options,
+                               std::string_view variant, Problem<T> const& problem) {
     constexpr char const* in_range = "numbers of the control in the arithmetic's range";
     for (double const x : c.parameters) expects(is_finite(T(x)) && (x == 0 || !(T(x) == T(0))), in_range);
     for (size_t i = 0; i < c.parameters.size(); ++i)
         if (control_named(c.control).parameters.at(i).range.inverted)
             expects(is_finite(T(T(1) / T(c.parameters[i]))), in_range);
-    if (is_its_own_rule(c, variant)) return AnyAdaptive<T>::around(Walking<T>(problem, T(c.parameters.at(0))));
+    if (is_its_own_rule(c, variant)) return AnyAdaptive<T>::around(detail::Walking<T>(problem, T(c.parameters.at(0))));
     AnyAdaptive<T> filter(problem, variant);
     if (c.window > 0)
         filter = AnyAdaptive<T>::around(Windowed<AnyAdaptive<T>>(filter, problem.forgetting, {.rows = c.window}));
-    return with_guard(c, guard_options, with_control(c, filter, problem), problem);
+    return detail::with_guard(c, guard_options, detail::with_control(c, filter, problem), problem);
 }
 
-}  // namespace rlslab::detail
+}  // namespace rlslab

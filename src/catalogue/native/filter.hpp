@@ -59,43 +59,44 @@ struct Counts {
 /// std::invalid_argument is thrown, in one line, and the filter is as it was.
 class Filter {
 public:
+    struct Inside;  ///< what a Filter is
     virtual ~Filter() = default;
-    virtual Index size() const = 0;                   ///< d
-    virtual std::string_view variant() const = 0;     ///< "ud"
-    virtual std::string_view arithmetic() const = 0;  ///< "float" or "double"
+    Index size() const;                   ///< d
+    std::string_view variant() const;     ///< "ud"
+    std::string_view arithmetic() const;  ///< "float" or "double"
 
     /// One row, psi of d numbers. Numbers of the other arithmetic are rounded once. Allocates nothing.
-    virtual Step update(double const* psi, double y) = 0;
-    virtual Step update(float const* psi, float y) = 0;
+    Step update(double const* psi, double y);
+    Step update(float const* psi, float y);
     /// Many rows, the oldest first, each of d contiguous numbers, `stride` >= d numbers apart (0: d). `steps` has room
     /// for all, or is null: then rows are processed as `rlslab::process` does, the fast way where the variant has one,
     /// with the same bits; qr_block, which takes blocks, reports NaN and its health then. Returns the last row's step.
-    virtual Step update_many(double const* psi, Index rows, Index stride, double const* y, Step* steps) = 0;
-    virtual Step update_many(float const* psi, Index rows, Index stride, float const* y, Step* steps) = 0;
+    Step update_many(double const* psi, Index rows, Index stride, double const* y, Step* steps);
+    Step update_many(float const* psi, Index rows, Index stride, float const* y, Step* steps);
     /// Time without a row: P / lambda.
-    virtual Step pass_time() = 0;
+    Step pass_time();
 
-    virtual void theta(double* out) const = 0;  ///< d numbers
-    virtual void gain(double* out) const = 0;   ///< d numbers, of the last row
+    void theta(double* out) const;  ///< d numbers
+    void gain(double* out) const;   ///< d numbers, of the last row
     /// Whether covariance() is reported; else information() is.
-    virtual bool reports_covariance() const = 0;
+    bool reports_covariance() const;
     /// P, or P^-1: d x d, by columns. By rows it is the same, except that a P in full storage (conventional) may have
     /// lost its symmetry.
-    virtual void covariance(double* out) const = 0;
-    virtual void information(double* out) const = 0;
+    void covariance(double* out) const;
+    void information(double* out) const;
 
     /// The state, as rlslab::save writes it of the C++ type. `to`: state_size() bytes, or more.
-    virtual std::size_t state_size() const = 0;
-    virtual void save(std::span<std::byte> to) const = 0;
+    std::size_t state_size() const;
+    void save(std::span<std::byte> to) const;
     /// Into a filter of the same variant, arithmetic, size and composition; forgetting and prior may be others.
-    virtual void load(std::span<std::byte const> from) = 0;
+    void load(std::span<std::byte const> from);
 
     /// Of the last row; of `load`: undetermined where theta is NaN or was not determined.
-    virtual std::int32_t health() const = 0;
-    virtual std::int32_t signal() const = 0;  ///< of the last row
-    virtual Counts counts() const = 0;
-    virtual void reset() = 0;  ///< as it was made
-    virtual std::unique_ptr<Filter> clone() const = 0;
+    std::int32_t health() const;
+    std::int32_t signal() const;  ///< of the last row
+    Counts counts() const;
+    void reset();  ///< as it was made
+    std::unique_ptr<Filter> clone() const;
 };
 
 /// Throws std::invalid_argument for a name that is none, options that no filter has, and a composition that the variant
@@ -125,12 +126,19 @@ std::span<std::string_view const> controls();
 
 /// M filters of one variant and one problem, which take a row each at a time, in lockstep (rlslab::Fleet).
 class Fleet {
+    Index size_, filters_;
+    std::string_view variant_, arithmetic_;
+
+protected:
+    Fleet(Index size, Index filters, std::string_view variant, std::string_view arithmetic)
+        : size_(size), filters_(filters), variant_(variant), arithmetic_(arithmetic) {}
+
 public:
     virtual ~Fleet() = default;
-    virtual Index size() const = 0;     ///< d
-    virtual Index filters() const = 0;  ///< M
-    virtual std::string_view variant() const = 0;
-    virtual std::string_view arithmetic() const = 0;
+    Index size() const { return size_; }        ///< d
+    Index filters() const { return filters_; }  ///< M
+    std::string_view variant() const { return variant_; }
+    std::string_view arithmetic() const { return arithmetic_; }
     /// A row for each filter: psi is M x d, filter m's row contiguous; y has M numbers. A row with a number that is not
     /// finite is missing: its filter stays as it was. Returns how many were missing. Numbers of the other arithmetic
     /// are rounded once.

@@ -1,14 +1,55 @@
 // Fleets of the variants in one arithmetic, RLSLAB_NATIVE: float or double, eight filters at a time.
-#include <rlslab/catalogue/native/fleet_of.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
+#include <rlslab/many/fleet.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::native {
+namespace {
 
-using T = RLSLAB_NATIVE;
+/// F is a variant over a Pack.
+template <class F>
+class FleetOf final : public Fleet {
+    using Filters = rlslab::Fleet<F>;
+    using T = typename Filters::number;
+    Filters filters_;
+    Matrix<T> psi_;  // M x d: column i is the regressor i of all filters
+    Vector<T> y_;
 
-template <>
+    template <class X>
+    Index one_each(X const* psi, X const* y) {
+        for (Index m = 0; m < psi_.rows(); ++m) {
+            for (Index i = 0; i < psi_.cols(); ++i) psi_(m, i) = T(psi[m * psi_.cols() + i]);
+            y_[m] = T(y[m]);
+        }
+        return filters_.update(psi_, y_);
+    }
+
+public:
+    FleetOf(Index filters, Problem<T> const& problem)
+        : Fleet(problem.size, filters, F::name, ArithmeticTraits<T>::name), filters_(filters, problem),
+          psi_(filters, problem.size), y_(filters) {}
+
+    Index update(double const* psi, double const* y) override { return one_each(psi, y); }
+    Index update(float const* psi, float const* y) override { return one_each(psi, y); }
+    void theta(Index filter, double* out) const override {
+        Vector<T> const theta = filters_.theta(filter);
+        std::copy(theta.begin(), theta.end(), out);
+    }
+    std::int32_t health(Index filter) const override { return std::int32_t(filters_.health(filter)); }
+    void reset(Index filter) override { filters_.reset(filter); }
+    std::size_t state_size() const override { return rlslab::state_size(filters_); }
+    void save(std::span<std::byte> to) const override { rlslab::save(filters_, to); }
+    void load(std::span<std::byte const> from) override {
+        if (StateFault const fault = rlslab::load(filters_, from); fault != StateFault::none)
+            refuse(refusal_of(fault, from));
+    }
+    std::unique_ptr<Fleet> clone() const override { return std::make_unique<FleetOf>(*this); }
+};
+
+}  // namespace
+
+template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const& problem) {
     std::unique_ptr<Fleet> out;
     for_each(Variants<Pack<T, 8>>{}, [&]<class F>() {
@@ -17,5 +58,6 @@ std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Prob
     });
     return out;
 }
+template std::unique_ptr<Fleet> fleet_named(std::string_view, Index, Problem<RLSLAB_NATIVE> const&);
 
 }  // namespace rlslab::native

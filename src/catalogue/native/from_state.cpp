@@ -1,5 +1,6 @@
 // A filter from its state alone: what is composed around it, and with which options, stands in the entries.
-#include <rlslab/catalogue/native/filter_of.hpp>
+#include <rlslab/catalogue/native/composition.hpp>
+#include <rlslab/catalogue/native/makers.hpp>
 
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/core/input_error.hpp>

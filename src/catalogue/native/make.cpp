@@ -1,8 +1,9 @@
 // Filters by name, and what is refused.
-#include <rlslab/catalogue/native/filter_of.hpp>
+#include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -97,18 +98,23 @@ template <class T>
 std::unique_ptr<Filter> made(std::string_view variant, Options const& options) {
     Problem<double> const problem = problem_of(options);
     Composition const composition = composition_of(options, problem);
-    if (composition.empty())
-        return std::ranges::find(makers<T>(), variant, &Maker<T>::variant)->make(problem_in<T>(problem));
-    if (std::string const why = contradiction(composition); !why.empty()) refuse(why);
-    if (std::string const why = obstacle(composition, variant); !why.empty())
-        refuse(std::string(variant) + " cannot be composed so: it " + why);
-    return composed<T>(composition, guard_options_of(options), variant, problem_in<T>(problem));
+    if (!composition.empty()) {
+        if (std::string const why = contradiction(composition); !why.empty()) refuse(why);
+        if (std::string const why = obstacle(composition, variant); !why.empty())
+            refuse(std::string(variant) + " cannot be composed so: it " + why);
+    }
+    return filter_of<T>([=, in_T = problem_in<T>(problem), guard = guard_options_of(options),
+                         name = std::string(variant)] { return composed_around<T>(composition, guard, name, in_T); });
 }
 
 }  // namespace
 
 Names variants() {
-    static auto const all = names_of(makers<double>(), &Maker<double>::variant);
+    static std::vector<std::string_view> const all = [] {
+        std::vector<std::string_view> out;
+        for_each(Variants<double>{}, [&]<class F>() { out.push_back(F::name); });
+        return out;
+    }();
     return all;
 }
 Names arithmetics() {

@@ -1,42 +1,31 @@
-// The filters that the object library of one arithmetic makes.
+// What a filter and a fleet by name are made of, in one arithmetic.
 #pragma once
 
-#include <rlslab/adapt/guard.hpp>
-#include <rlslab/catalogue/native/composition.hpp>
 #include <rlslab/catalogue/native/filter.hpp>
+#include <rlslab/core/problem.hpp>
+#include <rlslab/state/state_format.hpp>
+
+#include <functional>
+#include <string>
+
+namespace rlslab {
+template <Real T>
+class AnyAdaptive;
+}
 
 namespace rlslab::native {
 
-template <class T>
-struct Maker {
-    std::string_view variant;
-    std::unique_ptr<Filter> (*make)(Problem<T> const&);
-};
-/// In the order of the list of variants. src/catalogue/native/variants_of.cpp defines them.
-template <class T>
-std::vector<Maker<T>> const& makers();
-template <>
-std::vector<Maker<float>> const& makers<float>();
-template <>
-std::vector<Maker<double>> const& makers<double>();
+[[noreturn]] inline void refuse(std::string const& why) { throw std::invalid_argument(why); }
 
-/// Null where there is none. src/catalogue/native/fleets_of.cpp defines them.
+/// Why bytes are no state for a filter, and of what they are one.
+std::string refusal_of(StateFault fault, std::span<std::byte const> from);
+
+/// Made so, and made again where it is reset. For float and double.
+template <Real T>
+std::unique_ptr<Filter> filter_of(std::function<AnyAdaptive<T>()> const& make);
+
+/// Null where there is none. For float and double.
 template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const&);
-template <>
-std::unique_ptr<Fleet> fleet_named(std::string_view, Index, Problem<float> const&);
-template <>
-std::unique_ptr<Fleet> fleet_named(std::string_view, Index, Problem<double> const&);
-
-/// A composition without contradiction or obstacle. src/catalogue/native/compose.cpp defines them.
-template <class T>
-std::unique_ptr<Filter> composed(Composition const&, GuardOptions<double> const&, std::string_view variant,
-                                 Problem<T> const&);
-template <>
-std::unique_ptr<Filter> composed(Composition const&, GuardOptions<double> const&, std::string_view,
-                                 Problem<float> const&);
-template <>
-std::unique_ptr<Filter> composed(Composition const&, GuardOptions<double> const&, std::string_view,
-                                 Problem<double> const&);
 
 }  // namespace rlslab::native
