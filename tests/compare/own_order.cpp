@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fmt/format.h>
 #include <set>
 
 namespace rlslab {
@@ -68,7 +69,19 @@ TEST(OwnOrder, APlantAtRestIsNotJudgedByShuffledRows) {
             std::string const beside = other_orders_text(c, "double");
             EXPECT_THAT(beside, HasSubstr("reordered, double: gentleman "));
             EXPECT_THAT(beside, HasSubstr("ud_delta"));
+            Spread const& spread = delta.others.spread->theta;
+            EXPECT_THAT(as_page(c), HasSubstr(fmt::format("<td>{} ({} to {})</td>", tenths(spread.median),
+                                                          tenths(spread.low), tenths(spread.high))));
+            EXPECT_THAT(as_page(c), HasSubstr("In 3 other orders of the rows:"));
         }
+}
+
+TEST(OwnOrder, ThetaBeyondBinary64IsPrintedWithSixDigits) {
+    Comparison c = compared(at_rest(Seed{3}), 1e8, {"ud_delta"});
+    c.least_squares = {"1.23456789012345678901234567890e+400", "-9.99999999999999999999999999999e-321", "0", "nan"};
+    std::string const text = as_table(c, false);
+    for (char const* printed : {" 1.23457e+400 ", " -1e-320 ", " 0 ", " nan "}) EXPECT_THAT(text, HasSubstr(printed));
+    EXPECT_THAT(text, Not(HasSubstr("1.234567")));
 }
 
 /// No constant is fitted: docs/theory.md 105. One run scatters by tenths of a digit, so that five are averaged.

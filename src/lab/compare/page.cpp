@@ -227,6 +227,26 @@ Figure costs(Comparison const& c) {
     return figure;
 }
 
+/// The same digits over other orders of the rows; "" where there are none.
+std::string other_orders(Comparison const& c, std::vector<Result const*> const& results) {
+    std::vector<std::vector<std::string>> rows;
+    std::vector<size_t> best;
+    int runs = 0;
+    for (Result const* x : results) {
+        if (x->others.runs == 0) continue;
+        runs = std::max(runs, x->others.runs);
+        if (is_recommended(c, *x)) best.push_back(rows.size());
+        std::vector<std::string> row{(is_recommended(c, *x) ? "★ " : "") + std::string(x->entry->variant)};
+        for (Shown const& of : shown)
+            row.push_back(x->others.spread ? spread_words((*x->others.spread).*of.spread) : "-");
+        row.push_back(x->others.broken > 0 ? fmt::format("in {} of {}", x->others.broken, x->others.runs) : "none");
+        rows.push_back(std::move(row));
+    }
+    if (rows.empty()) return "";
+    return fmt::format("<p>In {} other orders of the rows:</p>\n", runs) +
+           table_html({"variant", "theta", "worst component", "P", "breakdown"}, rows, best);
+}
+
 /// For each arithmetic what storing the problem does to it, and its results; the recommended one stands out.
 std::string tables(Comparison const& c) {
     std::string out;
@@ -253,9 +273,7 @@ std::string tables(Comparison const& c) {
                                       "P",       "breakdown", "asymmetry", "operations"};
         if (c.options.timings) head.emplace_back("ns");
         if (!c.options.composition.empty()) head.emplace_back("what the composition did");
-        out += table_html(head, rows, best);
-        if (std::string const others = other_orders_text(c, a.name); !others.empty())
-            out += fmt::format("<p>{}</p>\n", escaped(others));
+        out += table_html(head, rows, best) + other_orders(c, results);
     });
     return out;
 }

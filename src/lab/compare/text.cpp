@@ -15,10 +15,15 @@ namespace rlslab::compare {
 using namespace report;
 namespace {
 
-/// Six digits of a decimal number; where binary64 does not reach, the number itself.
+/// Six digits of a decimal number. Where binary64 does not reach, the power of ten is kept as text.
 std::string six_digits(std::string const& number) {
     double const x = std::strtod(number.c_str(), nullptr);
-    return x == 0 || !std::isfinite(x) ? number : fmt::format("{:.6g}", x);
+    size_t const e = number.find('e');
+    if (e == std::string::npos || std::isnormal(x)) return std::isfinite(x) ? fmt::format("{:.6g}", x) : number;
+    std::string digits = fmt::format("{:.6g}", std::strtod(number.substr(0, e).c_str(), nullptr));
+    long exponent = std::strtol(number.c_str() + e + 1, nullptr, 10);
+    if (digits.ends_with("10")) digits.pop_back(), ++exponent;
+    return fmt::format("{}e{:+03}", digits, exponent);
 }
 
 /// Both exact solutions, and in how many digits they agree.

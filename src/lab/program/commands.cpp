@@ -29,32 +29,42 @@ CLI::Validator whole(long least, long most) {
             ""};
 }
 
-CLI::Validator real(char const* expected, bool (*holds)(double)) {
+CLI::Validator real(char const* expected, double least, double most) {
     return {[=](std::string& text) {
                 double value = 0;
                 auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
                 bool const good =
-                    error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value);
+                    error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
                 return good ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
             },
             ""};
 }
 
-void define_forgetting(CLI::App& command, double& forgetting) {
-    command.add_option("--forgetting", forgetting, "forgetting factor, in (0, 1]; default 1")
-        ->check(real("a number in (0, 1]", [](double x) { return is_forgetting_factor(x); }))
-        ->type_name("LAMBDA");
+CLI::Option* OptionRow::define(CLI::App& command) const {
+    CLI::Option* const out = add_(command);
+    if (!value_) return out;
+    out->required(required_)->type_name(value_)->check(check_);
+    if (given_ == Given::last) out->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    if (given_ == Given::listed) out->delimiter(',')->allow_extra_args(false);
+    if (given_ == Given::repeated) out->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+    return out;
+}
+void define(CLI::App& command, std::initializer_list<OptionRow> rows) {
+    for (OptionRow const& row : rows) row.define(command);
 }
 
-void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help) {
-    command.add_option(name, into, help)->check(whole(least, most))->type_name("N");
+OptionRow forgetting_option(double& forgetting) {
+    return {"--forgetting", forgetting, "LAMBDA", real("a number in (0, 1]", above_zero, 1),
+            "forgetting factor, in (0, 1]; default 1"};
 }
-void define_seed(CLI::App& command, std::uint64_t& seed, char const* help) {
-    command.add_option("--seed", seed, help)->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+OptionRow seed_option(std::uint64_t& seed, char const* help) {
+    return {"--seed", seed, "N", whole(0, std::numeric_limits<long>::max()), help};
 }
-CLI::Option* define_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
-                          char const* type) {
-    return command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
+OptionRow prior_option(std::optional<double>& p0, char const* help) {
+    return {"--p0", p0, "C2", real("a positive, finite number", above_zero), help};
+}
+OptionRow folder_option(std::string& folder, char const* help) {
+    return {"--out", folder, "DIR", named("the name of a folder"), help};
 }
 
 CLI::Validator named(char const* expected) {
@@ -82,12 +92,9 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
     return out;
 }
 
-void define_time(CLI::App& command, std::string& column) {
-    command
-        .add_option("--time", column,
-                    "column of times, numbers or as 2024-05-17 08:15:30: rows in their order, and none across a gap")
-        ->check(named("the name of a column"))
-        ->type_name("COLUMN");
+OptionRow time_option(std::string& column) {
+    return {"--time", column, "COLUMN", named("the name of a column"),
+            "column of times, numbers or as 2024-05-17 08:15:30: rows in their order, and none across a gap"};
 }
 
 void define_format(CLI::App& command, CsvFormat& format) {
@@ -121,8 +128,8 @@ void define_format(CLI::App& command, CsvFormat& format) {
          "comma, semicolon, tab, bar or blank");
     take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
          "decimal mark of the file's numbers; default: detected", "point or comma");
-    define_names(command, "--missing", format.missing,
-                 "further words or numbers that stand for a missing value: \"No Data\",-999", "WORD[,WORD]");
+    define(command, {{"--missing", format.missing, "WORD[,WORD]",
+                      "further words or numbers that stand for a missing value: \"No Data\",-999"}});
 }
 
 void print(std::string const& text) {

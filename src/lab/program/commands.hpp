@@ -8,29 +8,63 @@
 #include <rlslab/input/formats/open.hpp>
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
+#include <limits>
+#include <optional>
 #include <string>
 
 namespace rlslab::program {
 
 /// A check for a whole number in [least, most]; its message is one line.
 CLI::Validator whole(long least, long most);
-/// A check for a finite number for which `holds` is true; its message is one line that says what was expected.
-CLI::Validator real(char const* expected, bool (*holds)(double));
-/// --forgetting of the commands that estimate.
-void define_forgetting(CLI::App& command, double& forgetting);
-
+/// A check for a finite number in [least, most]; its message is one line that says what was expected.
+CLI::Validator real(char const* expected, double least, double most = std::numeric_limits<double>::max());
+inline constexpr double above_zero = std::numeric_limits<double>::denorm_min();
 /// A check for a name that is not empty; its message is one line that says what was expected.
 CLI::Validator named(char const* expected);
 /// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV;
 /// "x(:,2),v" the columns x(:,2) and v.
 std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
-/// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not
-/// swallow FILE behind it.
-void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
-void define_seed(CLI::App& command, std::uint64_t& seed, char const* help);
-CLI::Option* define_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
-                          char const* type = "A,B");
+/// An option of a command as a row {name, variable, value, check, help}. The command line, its checks, help, manual and
+/// completion are made from it. A variable that is a list takes names in one word: it must not swallow FILE behind it.
+class OptionRow {
+    enum class Given { once, last, listed, repeated } given_ = Given::once;
+    bool required_ = false;
+    char const* value_ = nullptr;  // none: a flag
+    CLI::Validator check_;
+    std::function<CLI::Option*(CLI::App&)> add_;
+    static constexpr bool is_list(auto const&) { return false; }
+    template <class T>
+    static constexpr bool is_list(std::vector<T> const&) {
+        return true;
+    }
+
+public:
+    template <class T>
+    OptionRow(std::string name, T& into, char const* value, CLI::Validator check, std::string help)
+        : value_(value), check_(std::move(check)) {
+        if (is_list(into) && name.starts_with("--")) given_ = Given::listed;
+        add_ = [=, &into](CLI::App& command) { return command.add_option(name, into, help); };
+    }
+    template <class T>
+    OptionRow(std::string name, T& into, char const* value, std::string help)
+        : OptionRow(std::move(name), into, value, CLI::Validator(), std::move(help)) {}
+    OptionRow(std::string name, bool& into, std::string help)
+        : add_([=, &into](CLI::App& command) { return command.add_flag(name, into, help); }) {}
+
+    OptionRow required() && { return required_ = true, std::move(*this); }
+    OptionRow last() && { return given_ = Given::last, std::move(*this); }  ///< may be given again: the last one counts
+    OptionRow repeated() && { return given_ = Given::repeated, std::move(*this); }  ///< may be given for several
+    CLI::Option* define(CLI::App& command) const;
+};
+void define(CLI::App& command, std::initializer_list<OptionRow> rows);
+
+/// --forgetting, --seed, --p0 and --out of several commands.
+OptionRow forgetting_option(double& forgetting);
+OptionRow seed_option(std::uint64_t& seed, char const* help);
+OptionRow prior_option(std::optional<double>& p0, char const* help);
+OptionRow folder_option(std::string& folder, char const* help);
 
 /// Of FILE, of every command that leaves out rows that miss a value.
 inline constexpr char file_with_missing_values[] =
@@ -41,7 +75,7 @@ inline constexpr char file_with_missing_values[] =
 void define_format(CLI::App& command, CsvFormat& format);
 
 /// --time, of the commands that take rows for samples.
-void define_time(CLI::App& command, std::string& column);
+OptionRow time_option(std::string& column);
 
 /// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
 /// program instead.

@@ -115,32 +115,25 @@ Command compare_command(CLI::App& app) {
         "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the "
         "checkpoints; 1 none of those "
         "shown does; 2 no answer: wrong input, or it could not be written.");
-    define_record(*comparing, a->record);
-    define_forgetting(*comparing, a->options.forgetting);
-    comparing
-        ->add_option("--p0", a->options.p0,
-                     "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
-        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
-        ->type_name("C2");
-    define_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
+    CLI::App& c = *comparing;
+    CompareOptions& o = a->options;
+    define_record(c, a->record);
+    define(c, {forgetting_option(o.forgetting),
+               prior_option(o.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data"),
+               {"--variants", o.variants, "A,B", "only these (rlslab list)"}});
     define_arithmetics(
-        *comparing, a->options.arithmetics,
+        c, o.arithmetics,
         "only these (rlslab list; also half, single, fp32, fp64; and p11, N bits, or p8:-126:127[:stochastic|"
         ":toward_zero] with a range of exponents); in this order for --digits; default float,double");
-    comparing->add_flag("--all", a->all, "every arithmetic");
-    comparing
-        ->add_option("--digits", a->options.digits,
-                     "the variant and arithmetic that keep D digits of every parameter, 0.5 to 30, and their C++")
-        ->check(real("a number from 0.5 to 30", [](double x) { return 0.5 <= x && x <= 30; }))
-        ->type_name("D");
-    define_composition(*comparing, a->composition);
-    define_seed(*comparing, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
-    define_count(*comparing, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
-    comparing->add_flag("--json", a->json, "JSON instead of the table");
-    comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")
-        ->check(named("the name of a folder"))
-        ->type_name("DIR");
-    comparing->add_flag("--csv", a->csv, "CSV instead of the table");
+    define(c, {{"--all", a->all, "every arithmetic"},
+               {"--digits", o.digits, "D", real("a number from 0.5 to 30", 0.5, 30),
+                "the variant and arithmetic that keep D digits of every parameter, 0.5 to 30, and their C++"}});
+    define_composition(c, a->composition);
+    define(c, {seed_option(o.seed, "of stochastic rounding and of the orders of rows; default 1"),
+               {"--threads", o.threads, "N", whole(1, 4096), "default: all cores; the results are the same"},
+               {"--json", a->json, "JSON instead of the table"},
+               folder_option(a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp"),
+               {"--csv", a->csv, "CSV instead of the table"}});
     comparing->add_flag_callback(
         "--no-timings", [a] { a->options.timings = false; },
         "leave out nanoseconds, the date and the instruction set: all that differs from run to run");

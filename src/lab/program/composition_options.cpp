@@ -48,21 +48,15 @@ double number_of(Control const& control, ControlParameter const& p, std::string 
 void define_composition(CLI::App& command, CompositionArguments& a) {
     std::vector<std::string> names;
     for (Control const& control : controls()) names.push_back(usage(control));
-    command
-        .add_option("--control", a.control,
-                    fmt::format("a rule of forgetting around the variant: {}", fmt::join(names, ", ")))
-        ->check(named("the name of a control"))
-        ->type_name("NAME");
-    define_count(command, "--window", a.window, 1, 1000000000,
-                 "an estimate from the last N rows: older ones are removed");
     std::vector<std::string> policies;
     for (NamedPolicy const& policy : guard_policies) policies.push_back(fmt::format("{} {}", policy.name, policy.what));
-    command
-        .add_option("--guard", a.guard,
-                    fmt::format("a guard around the variant, which skips rows that are not finite: {}",
-                                fmt::join(policies, "; ")))
-        ->check(named("the name of a guard"))
-        ->type_name("POLICY");
+    define(command, {{"--control", a.control, "NAME", named("the name of a control"),
+                      fmt::format("a rule of forgetting around the variant: {}", fmt::join(names, ", "))},
+                     {"--window", a.window, "N", whole(1, 1000000000),
+                      "an estimate from the last N rows: older ones are removed"},
+                     {"--guard", a.guard, "POLICY", named("the name of a guard"),
+                      fmt::format("a guard around the variant, which skips rows that are not finite: {}",
+                                  fmt::join(policies, "; "))}});
 }
 
 std::string control_notes() {

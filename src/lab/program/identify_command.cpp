@@ -248,62 +248,41 @@ Command identify_command(CLI::App& app) {
         "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
         "record that do not "
         "make sense.");
-    c->add_option("FILE", a->file, file_with_missing_values)->required()->type_name("");
+    IdentifyOptions& o = a->options;
+    OptionRow("FILE", a->file, "", file_with_missing_values).required().define(*c);
     define_format(*c, a->format);
-    auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
-        return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
-    };
-    list("--input", a->options.inputs, "U[,V]",
-         "column of the input, or several; none: y is predicted from its own past");
-    c->add_option("--output", a->options.output, "column of the output")->required()->type_name("COLUMN");
-    c->add_option("--order", a->options.order, "na = nb = N instead of a choice")->check(whole(1, 200))->type_name("N");
-    c->add_option("--max-order", a->options.max_order, "the largest order to choose from; default 10")
-        ->check(whole(1, 200))
-        ->type_name("N");
-    c->add_option("--na", a->na, "past outputs, y[k-1] ... y[k-N]; with --nb, instead of a choice")
-        ->check(whole(0, 200))
-        ->type_name("N");
-    list("--nb", a->options.nb, "N[,N]", "inputs u[k-delay] ... u[k-delay-N], for all inputs or for each")
-        ->check(whole(0, 200));
-    list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")
-        ->check(whole(0, 100000));
-    define_time(*c, a->options.time);
-    c->add_option("--sample-time", a->options.sample_time,
-                  "seconds from one sample to the next: times in seconds, frequencies in hertz; default: in samples")
-        ->check(real("seconds from 1e-15 to 1e15", [](double x) { return 1e-15 <= x && x <= 1e15; }))
-        ->type_name("T");
-    list("--regressors", a->options.regressors, "A,B",
-         "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
-    c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")
-        ->type_name("NAME");
-    define_forgetting(*c, a->options.forgetting);
+    define(*c,
+           {{"--input", o.inputs, "U[,V]", "column of the input, or several; none: y is predicted from its own past"},
+            OptionRow("--output", o.output, "COLUMN", "column of the output").required(),
+            {"--order", o.order, "N", whole(1, 200), "na = nb = N instead of a choice"},
+            {"--max-order", o.max_order, "N", whole(1, 200), "the largest order to choose from; default 10"},
+            {"--na", a->na, "N", whole(0, 200), "past outputs, y[k-1] ... y[k-N]; with --nb, instead of a choice"},
+            {"--nb", o.nb, "N[,N]", whole(0, 200), "inputs u[k-delay] ... u[k-delay-N], for all inputs or for each"},
+            {"--delay", o.delay, "N[,N]", whole(0, 100000),
+             "samples from input to output, for all inputs or for each; default 0"},
+            time_option(o.time),
+            {"--sample-time", o.sample_time, "T", real("seconds from 1e-15 to 1e15", 1e-15, 1e15),
+             "seconds from one sample to the next: times in seconds, frequencies in hertz; default: in samples"},
+            {"--regressors", o.regressors, "A,B",
+             "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names"},
+            {"--variant", o.variant, "NAME", "of recursive least squares, in double; default ud"},
+            forgetting_option(o.forgetting)});
     define_composition(*c, a->composition);
-    c->add_option("--p0", a->options.p0,
-                  "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
-        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
-        ->type_name("C2");
-    c->add_option("--validate", a->options.validate, "part at the end that is held out, in [0, 0.9]; default 1/3")
-        ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))
-        ->type_name("PART");
-    c->add_option("--confidence", a->options.confidence, "of the intervals; default 0.95")
-        ->check(real("a number from 0.001 to 0.999999", [](double x) { return 0.001 <= x && x <= 0.999999; }))
-        ->type_name("P");
-    c->add_option("--noise-model", a->options.noise_model,
-                  "N of the noise's C = 1 + c1 q^-1 + ... + cN q^-N: the parameters again, without the bias of "
-                  "coloured residuals")
-        ->check(whole(1, 200))
-        ->type_name("N");
-    c->add_option("--instruments", a->options.instruments,
-                  "the same without a model of the noise: N further past lags of each input as instruments")
-        ->check(whole(1, 1000))
-        ->type_name("N");
-    c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
-    c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
-    c->add_flag("--json", a->json, "JSON instead of the table");
+    define(*c, {prior_option(o.p0, "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed"),
+                {"--validate", o.validate, "PART", real("a number from 0 to 0.9", 0, 0.9),
+                 "part at the end that is held out, in [0, 0.9]; default 1/3"},
+                {"--confidence", o.confidence, "P", real("a number from 0.001 to 0.999999", 0.001, 0.999999),
+                 "of the intervals; default 0.95"},
+                {"--noise-model", o.noise_model, "N", whole(1, 200),
+                 "N of the noise's C = 1 + c1 q^-1 + ... + cN q^-N: the parameters again, without the bias of "
+                 "coloured residuals"},
+                {"--instruments", o.instruments, "N", whole(1, 1000),
+                 "the same without a model of the noise: N further past lags of each input as instruments"},
+                {"--intercept", o.intercept, "a constant regressor besides"},
+                {"--keep-mean", a->keep_mean, "do not take the means off first"},
+                {"--json", a->json, "JSON instead of the table"}});
     define_undated(*c, a->dated);
-    c->add_option("--out", a->out, "folder for model.html, model.json and, with a composition, tracked.csv")
-        ->check(named("the name of a folder"))
-        ->type_name("DIR");
+    define(*c, {folder_option(a->out, "folder for model.html, model.json and, with a composition, tracked.csv")});
     return {c, [a] {
                 a->options.inputs = unquoted(a->options.inputs),
                 a->options.regressors = unquoted(a->options.regressors);
@@ -318,24 +297,18 @@ Command simulate_command(CLI::App& app) {
         "The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
         "Example:     rlslab simulate --a -1.5,0.7 --b 1,0.5 --noise 0.1 > data.csv\n\n"
         "Exit code: 0 a record; 2 one that grows beyond 2^500, or options that make no sense.");
-    c->add_option("--a", s->a, "coefficients a1,a2,...; default none")->type_name("A1,...");
-    c->add_option("--b", s->b, "coefficients b0,b1,...; default 1")->type_name("B0,...");
-    c->add_option("--delay", s->delay, "samples from input to output; default 0")
-        ->check(whole(0, 100000))
-        ->type_name("N");
-    c->add_option("--input", s->input,
-                  "the signal u: white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
-                  "steps:SHORTEST:LONGEST; default prbs:10")
-        ->type_name("SIGNAL");
-    c->add_option("--samples", s->samples, "rows of the record; default 1000")
-        ->check(whole(1, 10000000))
-        ->type_name("N");
-    c->add_option("--noise", s->noise, "standard deviation of the noise e; default 0")
-        ->check(real("a number of at least 0", [](double x) { return x >= 0; }))
-        ->type_name("SD");
-    c->add_option("--noise-colour", s->noise_colour, "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)")
-        ->type_name("A1,...");
-    define_seed(*c, s->seed, "of the random input and noise; default 1");
+    define(
+        *c,
+        {{"--a", s->a, "A1,...", "coefficients a1,a2,...; default none"},
+         {"--b", s->b, "B0,...", "coefficients b0,b1,...; default 1"},
+         {"--delay", s->delay, "N", whole(0, 100000), "samples from input to output; default 0"},
+         {"--input", s->input, "SIGNAL",
+          "the signal u: white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
+          "steps:SHORTEST:LONGEST; default prbs:10"},
+         {"--samples", s->samples, "N", whole(1, 10000000), "rows of the record; default 1000"},
+         {"--noise", s->noise, "SD", real("a number of at least 0", 0), "standard deviation of the noise e; default 0"},
+         {"--noise-colour", s->noise_colour, "A1,...", "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)"},
+         seed_option(s->seed, "of the random input and noise; default 1")});
     return {c, [s] { return run_simulate(*s); }};
 }
 
@@ -346,15 +319,11 @@ Command excitation_command(CLI::App& app) {
         "Example:  rlslab excitation data.csv --input u\n\n"
         "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no "
         "sense.");
-    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's")
-        ->required()
-        ->type_name("");
+    OptionRow("FILE", a->file, "", "CSV file (-: standard input), plain or by gzip, or MATLAB's").required().define(*c);
     define_format(*c, a->format);
-    c->add_option("--input", a->input, "column of the input")->required()->type_name("COLUMN");
-    c->add_option("--max-order", a->most, "the largest order that is tried; default 20")
-        ->check(whole(1, 200))
-        ->type_name("N");
-    c->add_flag("--json", a->json, "JSON instead of the table");
+    define(*c, {OptionRow("--input", a->input, "COLUMN", "column of the input").required(),
+                {"--max-order", a->most, "N", whole(1, 200), "the largest order that is tried; default 20"},
+                {"--json", a->json, "JSON instead of the table"}});
     define_undated(*c, a->dated);
     return {c, [a] { return run_excitation(*a); }};
 }

@@ -37,11 +37,11 @@ std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
 }  // namespace
 
 void define_record(CLI::App& command, RecordArguments& a) {
-    CLI::Option* const file = command.add_option("FILE", a.file, file_with_missing_values)->required()->type_name("");
+    CLI::Option* const file = OptionRow("FILE", a.file, "", file_with_missing_values).required().define(command);
     define_format(command, a.format);
-    define_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
+    define(command, {{"--input", a.inputs, "U[,V]", "column of the input u of an ARX model, or several"}});
     CLI::Option* const output =
-        command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
+        OptionRow("--output", a.output, "COLUMN", "column of the output y").required().define(command);
     command
         .add_option_function<std::string>(
             "--example",
@@ -52,25 +52,22 @@ void define_record(CLI::App& command, RecordArguments& a) {
             "in place of FILE a record of the program, with a model of its own (rlslab example)")
         ->check(named("the name of an example"))
         ->type_name("EXAMPLE");
-    define_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
-    define_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
-    define_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
-    command.add_option("--delay", a.delay, "samples from input to output")
-        ->check(CLI::Validator(
-            [](std::string& text) {
-                return text.find(',') == text.npos ? ""
-                                                   : "expected one number for all inputs; delays of each are lags: "
-                                                     "--regressors y[k-1],u[k-3],v[k-1]";
-            },
-            ""))
-        ->check(whole(0, 1000000))
-        ->type_name("N");
-    define_names(command, "--regressors", a.regressors,
-                 "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
-                 "whose past outputs have a minus: these have none");
-    command.add_flag("--intercept", a.intercept, "a constant regressor besides");
-    command.add_flag("--detrend", a.detrend, "take the mean off each column first");
-    define_time(command, a.time);
+    auto const one_for_all = [check = whole(0, 1000000)](std::string& text) {
+        return text.find(',') == text.npos ? check(text)
+                                           : "expected one number for all inputs; delays of each are lags: "
+                                             "--regressors y[k-1],u[k-3],v[k-1]";
+    };
+    define(command,
+           {{"--order", a.order, "N", whole(1, 1000), "ARX order: na = nb = N"},
+            {"--na", a.na, "N", whole(0, 1000), "past outputs in the ARX model"},
+            {"--nb", a.nb, "N", whole(0, 1000), "past inputs besides the first, u[k-delay] ... u[k-delay-nb]"},
+            {"--delay", a.delay, "N", CLI::Validator(one_for_all, ""), "samples from input to output"},
+            {"--regressors", a.regressors, "A,B",
+             "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
+             "whose past outputs have a minus: these have none"},
+            {"--intercept", a.intercept, "a constant regressor besides"},
+            {"--detrend", a.detrend, "take the mean off each column first"},
+            time_option(a.time)});
 }
 
 std::string usual_arithmetic(std::string name) {
@@ -83,7 +80,8 @@ std::string usual_arithmetic(std::string name) {
 }
 
 void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
-    define_names(command, "--arithmetic", into, help)
+    OptionRow("--arithmetic", into, "A,B", help)
+        .define(command)
         ->transform(CLI::Validator([](std::string& name) { return name = usual_arithmetic(name), std::string(); }, ""));
 }
 

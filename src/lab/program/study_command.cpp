@@ -254,46 +254,37 @@ Command study_command(CLI::App& app) {
             ? "Verdicts are compared with the record that --against names."
             : "The verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and "
               "in this program."));
-    studying->add_option("NAME", st->names, fmt::format("names of studies, as {} list shows them", program_name()))
-        ->type_name("");
-    studying->add_flag("--all", st->all, "every study");
-    studying->add_flag(
-        "--describe", st->describe,
-        "do not run it: its question, factors with their values, measures, claims, and the time it takes");
-    studying
-        ->add_option("--set", st->set,
-                     "other values for a factor (--describe has them); may be given for several. Claims are then not "
-                     "judged")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false)
-        ->type_name("FACTOR=A,B");
-    studying->add_option("--seeds", st->options.seeds, "so many replicates; claims are then not judged")
-        ->check(whole(1, 100000))
-        ->type_name("N");
-    studying
-        ->add_option("--budget", st->budget,
-                     "quick: seconds a study; full: minutes, for numbers to quote; default quick")
-        ->check([](std::string const& text) {
+    CLI::Validator const known_budget(
+        [](std::string& text) {
             return text == "quick" || text == "full"
                        ? ""
                        : fmt::format("expected quick or full, found \"{}\"", printable(text));
-        })
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("quick|full");
+        },
+        "");
+    define(*studying,
+           {{"NAME", st->names, "", fmt::format("names of studies, as {} list shows them", program_name())},
+            {"--all", st->all, "every study"},
+            {"--describe", st->describe,
+             "do not run it: its question, factors with their values, measures, claims, and the time it takes"},
+            OptionRow("--set", st->set, "FACTOR=A,B",
+                      "other values for a factor (--describe has them); may be given for several. Claims are then not "
+                      "judged")
+                .repeated(),
+            {"--seeds", st->options.seeds, "N", whole(1, 100000), "so many replicates; claims are then not judged"},
+            OptionRow("--budget", st->budget, "quick|full", known_budget,
+                      "quick: seconds a study; full: minutes, for numbers to quote; default quick")
+                .last()});
     define_run(*studying, *st, "of all random data; default 1",
                fmt::format(", or into folders for {} merge", program_name()).c_str());
-    studying
-        ->add_option("--record", st->record,
-                     "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("FILE");
-    studying
-        ->add_option("--against", st->against,
-                     "compare the verdicts with those in FILE: a record that --record wrote, or the verdicts.json of a "
-                     "folder of --out; default: this program's own record")
-        ->check(named("a file"))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("FILE");
+    define(
+        *studying,
+        {OptionRow("--record", st->record, "FILE",
+                   "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
+             .last(),
+         OptionRow("--against", st->against, "FILE", named("a file"),
+                   "compare the verdicts with those in FILE: a record that --record wrote, or the verdicts.json of a "
+                   "folder of --out; default: this program's own record")
+             .last()});
     return {studying, [st] { return run_study(*st); }};
 }
 
@@ -310,14 +301,10 @@ Command merge_command(CLI::App& app) {
         "Exit code: as of {0} study; 2 if a trial is missing, or the parts are of different programs, studies, "
         "budgets or seeds.",
         program_name()));
-    merging->add_option("DIR", mt->from, "the --out folders of the parts")
-        ->required()
-        ->check(named("folders"))
-        ->type_name("");
-    merging->add_option("--out", mt->out, "folder for tables, figures and the report; default: out")
-        ->check(named("a folder"))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("DIR");
+    define(*merging, {OptionRow("DIR", mt->from, "", named("folders"), "the --out folders of the parts").required(),
+                      OptionRow("--out", mt->out, "DIR", named("a folder"),
+                                "folder for tables, figures and the report; default: out")
+                          .last()});
     return {merging, [mt] { return run_merge(*mt); }};
 }
 

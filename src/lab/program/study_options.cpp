@@ -39,17 +39,13 @@ void keep_when_stopped(StudyRun const& run) {
 }  // namespace
 
 void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char const* or_merge) {
-    define_seed(command, run.options.seed, seed_help);
-    command
-        .add_option("--threads", run.options.threads,
-                    "how many run at once; default: all cores. No byte of a table depends on it")
-        ->check(whole(1, 4096))
-        ->type_name("N");
-    command.add_option("--out", run.out, "folder for tables, figures and the report; default: " + run.out)
-        ->check(named("a folder"))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("DIR");
-    command.add_flag("--fresh", run.fresh, "forget what an earlier run of this has finished");
+    define(command, {seed_option(run.options.seed, seed_help),
+                     {"--threads", run.options.threads, "N", whole(1, 4096),
+                      "how many run at once; default: all cores. No byte of a table depends on it"},
+                     OptionRow("--out", run.out, "DIR", named("a folder"),
+                               "folder for tables, figures and the report; default: " + run.out)
+                         .last(),
+                     {"--fresh", run.fresh, "forget what an earlier run of this has finished"}});
     command
         .add_option_function<std::string>(
             "--part", [&run](std::string const& text) { run.part = *part_of(text); },

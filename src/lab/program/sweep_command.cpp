@@ -108,19 +108,14 @@ Command sweep_command(CLI::App& app) {
         "folder gets sweep.csv, a row for each variant and combination, figures, and report.html.\n\n"
         "Exit code: 0 it ran; 2 it could not.");
     define_record(*sweeping, a->record);
-    sweeping->add_option("--vary", a->vary, "values of a factor; may be given for several")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false)
-        ->type_name("FACTOR=A,B");
-    sweeping
-        ->add_option("--from", a->from,
-                     "a folder with parts of this sweep, made with --part and their own --out; may be given for "
-                     "several")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false)
-        ->type_name("DIR");
-    define_count(*sweeping, "--row-orders", a->row_orders, 1, 10000,
-                 "so many orders of the rows, the record's first, where forgetting = 1; default 1");
+    define(*sweeping,
+           {OptionRow("--vary", a->vary, "FACTOR=A,B", "values of a factor; may be given for several").repeated(),
+            OptionRow("--from", a->from, "DIR",
+                      "a folder with parts of this sweep, made with --part and their own --out; may be given for "
+                      "several")
+                .repeated(),
+            {"--row-orders", a->row_orders, "N", whole(1, 10000),
+             "so many orders of the rows, the record's first, where forgetting = 1; default 1"}});
     define_run(*sweeping, *a, "of stochastic rounding and of the orders of rows; default 1", "");
     return {sweeping, [a] { return run_sweep(*a); }};
 }
