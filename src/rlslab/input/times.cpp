@@ -266,9 +266,9 @@ Columns in_order_of_time(Columns data, Index most) {
     for (std::size_t const row : by_time(data.times)) {
         if (!rows.empty() && data.times[row] == data.times[rows.back()]) {
             if (!same_values(data, row, rows.back()))
-                throw InputError(
-                    fmt::format("{}: expected one row for each time, as a double holds it, found that of line {} with other values", at(row),
-                                data.lines[rows.back()]));
+                throw InputError(fmt::format(
+                    "{}: expected one row for each time, as a double holds it, found that of line {} with other values",
+                    at(row), data.lines[rows.back()]));
             continue;
         }
         rows.push_back(row);
