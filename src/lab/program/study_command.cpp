@@ -177,7 +177,7 @@ int study_whole(StudyArguments const& a) {
                             undecided, program_name(), names);
     }
     double const wrong = expected_errors(outcomes);
-    text += fmt::format("{} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
+    text += fmt::format("{} of these verdicts are expected to be wrong\ntables, figures and the report are in {}\n",
                         wrong < 0.01 ? "less than 0.01" : fmt::format("at most {:.2f}", wrong), a.out);
     print(text);
     return changed.empty() && broken.empty() ? 0 : 1;
