@@ -21,7 +21,7 @@ namespace rlslab {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace read_text;
+using namespace text_files;
 using files::Folder, files::message_of;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();

@@ -13,7 +13,7 @@
 namespace rlslab {
 namespace {
 
-using namespace read_text;
+using namespace text_files;
 
 // --- decimal commas --------------------------------------------------------------------------------------------------
 

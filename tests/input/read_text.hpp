@@ -5,7 +5,7 @@
 
 #include <rlslab/input/csv.hpp>
 
-namespace rlslab::read_text {
+namespace rlslab::text_files {
 
 using Words = std::vector<std::string>;
 using Numbers = std::vector<double>;
@@ -19,4 +19,4 @@ inline std::string refusal(std::string const& text, Words const& asked, CsvForma
     return folder.without(files::message_of([&] { read_columns(folder.file(text), asked, format); }));
 }
 
-}  // namespace rlslab::read_text
+}  // namespace rlslab::text_files
