@@ -218,8 +218,8 @@ template <Real T>
 template <class F>
 struct AnyAdaptive<T>::Around final : Interface {
     F f;
-    static constexpr bool views_theta = !std::same_as<decltype(f.theta()), Vector<T>>,
-                          views_gain = !std::same_as<decltype(f.gain()), Vector<T>>;
+    static constexpr bool views_theta = !std::same_as<std::remove_cvref_t<decltype(f.theta())>, Vector<T>>,
+                          views_gain = !std::same_as<std::remove_cvref_t<decltype(f.gain())>, Vector<T>>;
     mutable StateVector<T> theta_, gain_;  // where f solves for them
     explicit Around(F const& filter)
         : f(filter), theta_(views_theta ? 0 : f.theta().size()), gain_(views_gain ? 0 : f.theta().size()) {}
