@@ -22,11 +22,10 @@ set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
   FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN fast EXCLUDE
   PATTERN catalogue EXCLUDE PATTERN studies EXCLUDE)
-foreach(folder src/catalogue variants variants/fast)
-  cmake_path(GET folder FILENAME room)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/${room}
-    COMPONENT headers FILES_MATCHING PATTERN "*.hpp" PATTERN fast EXCLUDE)
-endforeach()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/catalogue ${PROJECT_SOURCE_DIR}/variants/fast
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
+  FILES_MATCHING PATTERN "*.hpp" PATTERN fast EXCLUDE)
 if(TARGET rlslab_program)
   install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   # A cross-compiled program that cannot run here has written none of these.

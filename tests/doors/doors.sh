@@ -22,9 +22,9 @@ rustc=/usr/bin/rustc
 
 # Builds ./example and ./bits in the folder of the language.
 build_c() {
-  "$CC" -std=c99 -pedantic -Wall -Wextra -Werror -O2 "$tree/examples/c/main.c" "${flags[@]}" -o example
+  "$CC" -std=c99 -pedantic -Wall -Wextra -Werror -O2 "$tree/docs/examples/c/main.c" "${flags[@]}" -o example
   "$CC" -std=c99 -pedantic -Wall -Wextra -Werror -O2 "$tree/tests/doors/bits.c" "${flags[@]}" -o bits
-  "$CC" "$tree/examples/c/main.c" -I "$work/prefix/include" "$LD_LIBRARY_PATH/librlslab.a" -lstdc++ -lm -o static
+  "$CC" "$tree/docs/examples/c/main.c" -I "$work/prefix/include" "$LD_LIBRARY_PATH/librlslab.a" -lstdc++ -lm -o static
   ./static | cmp - <(./example)
   page
 }
@@ -45,11 +45,11 @@ page() {
   done
 }
 build_ctypes() {
-  script example python3 "$tree/examples/ctypes/main.py"
+  script example python3 "$tree/docs/examples/ctypes/main.py"
   script bits python3 "$tree/tests/doors/bits.py"
 }
 build_rust() {
-  "$rustc" --edition 2021 -O -D warnings -L "$LD_LIBRARY_PATH" -o example "$tree/examples/rust/main.rs"
+  "$rustc" --edition 2021 -O -D warnings -L "$LD_LIBRARY_PATH" -o example "$tree/docs/examples/rust/main.rs"
   "$rustc" --edition 2021 -O -D warnings -L "$LD_LIBRARY_PATH" -o bits "$tree/tests/doors/bits.rs"
 }
 script() {    # script NAME COMMAND...
@@ -74,7 +74,7 @@ for language in "$@"; do
     cd -- "$language"
     build_"$language"
     ./example >printed.txt
-    sed -n '/^```text$/,/^```$/p' "$tree/examples/$language/README.md" | sed '/^```/d' >page.txt
+    sed -n '/^```text$/,/^```$/p' "$tree/docs/examples/$language/README.md" | sed '/^```/d' >page.txt
     cmp printed.txt page.txt || { echo "$language: the example prints other than its page says"; exit 1; }
     ./bits save states >bits.txt
     same "$language" ../cpp/bits.txt bits.txt

@@ -7,7 +7,7 @@
 set -euo pipefail
 tree=$(realpath -- "$1") work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
-board=$tree/examples/microcontroller/board
+board=$tree/docs/examples/microcontroller/board
 common=(-std=c++20 -ffp-contract=off -DNDEBUG -I "$tree/src" -isystem /usr/include/eigen3 -I "$board"
   "$tree/tests/embedded/cost.cpp")
 measure() {    # measure MACHINE FLAGS...: text bytes, instructions of 1000 updates, bytes of the filter
