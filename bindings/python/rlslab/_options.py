@@ -90,8 +90,9 @@ def guard_numbers(guard: str | None, options: Mapping[str, float] | None) -> tup
         raise ValueError("guard_options without a guard")
     for name in given:
         one_of(name, GUARD_NUMBERS + GUARD_ROWS, "guard option")
-    if any(n in GUARD_NUMBERS and math.isnan(real(value, n)) for n, value in given.items()):
-        raise ValueError("guard_options: expected numbers, not NaN")
+    for name in given.keys() & set(GUARD_NUMBERS):
+        if math.isnan(real(given[name], name)):
+            raise ValueError(f"guard_options: expected a number as {name}, or none, not NaN")
     numbers = np.array([real(given.get(n, math.nan), n) for n in GUARD_NUMBERS], dtype=np.float64)
     rows = [whole(given.get(n, 0), n) for n in GUARD_ROWS]
     return "" if guard is None else one_of(guard, _core.guards(), "guard"), numbers, rows[0], rows[1]

@@ -88,6 +88,13 @@ Matrix<typename F::scalar> reported_matrix(F const& f) {
     else if constexpr (requires { f.matrix(); }) return f.matrix();
     else return reported_matrix(f.filter());
 }
+/// Whether that is P.
+template <class F>
+bool reports_covariance(F const& f) {
+    if constexpr (ReportsCovariance<F> || ReportsInformation<F>) return ReportsCovariance<F>;
+    else if constexpr (requires { f.matrix(); }) return f.matrix_is_covariance();
+    else return reports_covariance(f.filter());
+}
 }  // namespace detail
 
 /// A value: copies are filters of their own. Around a variant, or around what is composed around one: so a window, a
@@ -120,7 +127,7 @@ public:
         std::string_view variant;
         Abilities abilities;
         Index window_rows;
-        bool follows_a_rule, set_aside, restarted;
+        bool follows_a_rule, set_aside, restarted, covariance;
         CompositionCounts counts = {};
         T const* root_lambda;  ///< of the form; null where it holds none
     };
@@ -179,6 +186,7 @@ public:
     View gain() const { return filter_->gain(); }
     Stored<T> stored() const { return filter_->stored(); }
     Matrix<T> matrix() const { return filter_->matrix(); }  ///< P, or P^-1: as stored() has it
+    bool matrix_is_covariance() const { return filter_->account().covariance; }
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->account().abilities; }
     T const* root_lambda() { return filter_->account().root_lambda; }
@@ -240,6 +248,7 @@ struct AnyAdaptive<T>::Around final : Interface {
                     .follows_a_rule = detail::has_a_rule(f),
                     .set_aside = guard.set_aside(),
                     .restarted = guard.restarted(),
+                    .covariance = detail::reports_covariance(f),
                     .root_lambda = detail::root_lambda_of(f)};
         if constexpr (requires { f.filter().composition_counts(); }) out.counts = f.filter().composition_counts();
         if constexpr (requires { f.since(); }) out.counts.refactored = f.refactored(), out.counts.since = f.since();

@@ -161,9 +161,7 @@ void Filter::gain(double* out) const {
     of(*this, [=](auto const& in) { copy(in.filter().gain(), out); });
 }
 bool Filter::reports_covariance() const {
-    return of(*this, []<class T>(In<T> const& in) {
-        return in.filter().stored().quantity == Stored<T>::Quantity::covariance;
-    });
+    return of(*this, [](auto const& in) { return in.filter().matrix_is_covariance(); });
 }
 void Filter::covariance(double* out) const { copy_matrix(*this, true, out); }
 void Filter::information(double* out) const { copy_matrix(*this, false, out); }
