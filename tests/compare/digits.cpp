@@ -135,10 +135,11 @@ TEST(Digits, ScalesColumnsWhereTheRangeIsInTheWay) {
         double output;
         std::vector<std::string> arithmetic;
         bool scaled;
-    } const cases[] = {{{1e6, 1e-7}, 1, {"binary16"}, true}, {{1, 1}, 1, {"binary16"}, false},
-                       {{1, 1}, 1e-42, {"float"}, true},     {{0x1p70, 1}, 0x1p70, {"float"}, true},
-                       {{1, 1000}, 1, {"float"}, false},     {{0x1p-505, 1}, 1, {"double"}, true},
-                       {{0x1p400, 1}, 1, {"double"}, true},  {{1e30, 1}, 1, {"double"}, false}};
+    } const cases[] = {{{1e6, 1e-7}, 1, {"binary16"}, true},   {{3, 1, 0.3, 0.1}, 1, {"binary16"}, true},
+                       {{1, 1}, 1, {"binary16"}, false},       {{1, 1}, 1e-42, {"float"}, true},
+                       {{0x1p70, 1}, 0x1p70, {"float"}, true}, {{1, 1000}, 1, {"float"}, false},
+                       {{0x1p-505, 1}, 1, {"double"}, true},   {{0x1p400, 1}, 1, {"double"}, true},
+                       {{1e30, 1}, 1, {"double"}, false}};
     for (auto const& [sizes, output, arithmetic, scaled] : cases) {
         Records rows = record(200, sizes, 0.05, Seed{406});
         rows.y *= output;

@@ -61,6 +61,22 @@ Ends ends_of(std::string_view variant, std::string_view arithmetic, double lambd
     return out;
 }
 
+/// P = [1 1 + a/2; 1 - a/2 1] of an asymmetry a = 2^-10 at row 10, divided by lambda = 1/2 at each row: 1 at row 20, and
+/// at or beyond it no later row is foretold than the one looked at.
+TEST(Foretold, AnAsymmetryOfOneAndMoreEndsAtOnce) {
+    for (Index const last : {12, 19, 20, 25}) {
+        Foretold of(0.5, 2);
+        for (Index const row : {last - 1, last}) {
+            double const half = std::ldexp(0.5, int(row) - 20);
+            Matrix<Reference> P(2, 2);
+            P << 1, 1 + half, 1 - half, 1;
+            of.look(row, {Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, P});
+        }
+        ASSERT_TRUE(of.row()) << last;
+        EXPECT_NEAR(*of.row(), double(std::max<Index>(last, 20)), 1e-9);
+    }
+}
+
 TEST(Foretold, TheConventionalFormEndsNearTheRow) {
     std::vector<double> ratios;
     int runs = 0, broke = 0, asked = 0;

@@ -87,6 +87,7 @@ TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
     EXPECT_EQ(outlier_in(two, 1)->at, 40) << "whose past output is in the next row";
     EXPECT_FALSE(outlier_in({}));
     EXPECT_FALSE(outlier_in({0, 0}));
+    EXPECT_FALSE(outlier_in({1, -1, INFINITY})) << "in units of what?";
     EXPECT_TRUE(outlier_in({0, 0, 1})) << "nothing but this row";
 }
 TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {

@@ -205,6 +205,8 @@ void outliers_and_gaps(auto const& row) {
         "OUTLIER 501 502 held | next 501 | !OUTLIER estimate");
     row("small_outlier", with(first_order(white(2000, 2), 0.1), 1, [](Signal& y) { y[300] += 0.8; }), arx(),
         "STRUCTURE 301 302 | !OUTLIER");
+    row("a_wrong_cell_held_out", with(good, 0, [](Signal& u) { u[500] = 1e16; }), arx({.order = 1}),
+        "OUTLIER 502 held | !DEPENDENCE");
     row("outlier_of_the_input", with(good, 0, [](Signal& u) { u[200] = 100; }), arx({.order = 1}),
         "OUTLIER u 201 | next 201 | !EXCITATION");
     row("outlier_emptied", with(good, 1, [](Signal& y) { y[300] = NAN; }), arx(), "CLEAN");

@@ -118,6 +118,7 @@ TEST_F(Program, ShowsProgressOnTerminalsOnlyAndNotWhenItIsToBeQuiet) {
     Screen const seen = on_a_terminal(command);
     EXPECT_EQ(seen.code, 0);
     EXPECT_THAT(seen.text, HasSubstr("studying "));
+    EXPECT_THAT(seen.text, HasSubstr("are expected to be wrong\r\n")) << "the folder, of any length, has its own line";
     EXPECT_THAT(seen.text, testing::ContainsRegex("\r {14,}\r")) << "the line of progress is wiped off when it is over";
     EXPECT_THAT(on_a_terminal(command + " --quiet").text, Not(HasSubstr("studying ")));
     EXPECT_THAT(on_a_terminal(command + " 2>/dev/null").text, Not(HasSubstr("studying ")));

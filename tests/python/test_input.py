@@ -240,6 +240,7 @@ BAD_OPTIONS = [
     {"dtype": "float"}, {"dtype": "float16"}, {"dtype": int}, {"dtype": "double precision"}, {"dtype": 3},
     {"dtype": "f8,f8"}, {"window": -1}, {"window": 2.5}, {"window": "all"}, {"guard": "resett"}, {"guard": 1},
     {"guard_options": {"innovation": 3}}, {"guard": "reset", "guard_options": {"inovation": 3}},
+    {"guard": "rebuild", "guard_options": {"rebuild_rows": 2**61}},
     {"guard": "reset", "guard_options": [1]}, {"guard": "reset", "guard_options": {"innovation": "3"}},
     {"guard": "reset", "guard_options": {"noise_memory": 2.5}}, {"guard": "reset\0"}, {"guard": ""},
     {"control": "fortesque"}, {"control": ("fortescue", "a")}, {"control": 3}, {"control": ()}, {"control": ""},

@@ -44,17 +44,17 @@ std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
 
 int exponent(double largest) { return largest > 0 ? std::ilogb(largest) : 0; }
 
-/// exponents and output_exponent; none where every number is well within the range.
-void choose_scaling(Records const& records, Arithmetic const& arithmetic, ArithmeticTrial& t) {
-    int const quarter = arithmetic.max_exp / 4;
-    auto const fits = [&](double largest) { return largest == 0 || std::abs(exponent(largest)) <= quarter; };
-    Vector<double> const columns = records.psi.cwiseAbs().rowwise().maxCoeff();
-    double const output = records.y.cwiseAbs().maxCoeff();
-    bool all = fits(output);
-    for (double const x : columns) all = all && fits(x);
-    if (all) return;
-    for (double const x : columns) t.exponents.push_back(-exponent(x));
-    t.output_exponent = -exponent(output);
+Vector<double> largest_of_columns(Records const& records) { return records.psi.cwiseAbs().rowwise().maxCoeff(); }
+
+/// Whether every number is well within the range.
+bool fits(Records const& records, Arithmetic const& arithmetic) {
+    auto const fits = [&](double x) { return x == 0 || std::abs(exponent(std::abs(x))) <= arithmetic.max_exp / 4; };
+    return fits(records.y.cwiseAbs().maxCoeff()) && std::ranges::all_of(largest_of_columns(records), fits);
+}
+
+void choose_scaling(Records const& records, ArithmeticTrial& t) {
+    for (double const x : largest_of_columns(records)) t.exponents.push_back(-exponent(x));
+    t.output_exponent = -exponent(records.y.cwiseAbs().maxCoeff());
 }
 
 Records scaled(Records records, ArithmeticTrial const& t) {
@@ -129,11 +129,12 @@ double worst_digits(Vector<Reference> const& theta, Vector<Reference> const& exa
 static_assert(std::is_nothrow_move_constructible_v<ArithmeticTrial> &&
               !std::is_copy_constructible_v<ArithmeticTrial>);  // see there
 
-ArithmeticTrial tried(Records const& records, CompareOptions const& options, Arithmetic const& arithmetic) {
+/// Scaled where the numbers, or the prior proposed for them, leave the range.
+ArithmeticTrial tried(Records const& records, CompareOptions const& options, Arithmetic const& arithmetic, bool scale) {
     ArithmeticTrial out;
     out.arithmetic = arithmetic.name;
     out.wanted = wanted_digits(options);
-    choose_scaling(records, arithmetic, out);
+    if (scale) choose_scaling(records, out);
     Records const taken = scaled(records, out);
     Vector<Reference> const exact =
         certified({.size = taken.parameters(), .forgetting = options.forgetting, .prior = std::nullopt}, taken,
@@ -143,6 +144,7 @@ ArithmeticTrial tried(Records const& records, CompareOptions const& options, Ari
     out.is_zero = zeros_of(exact, taken);
     out.comparison = with_a_prior_that_leaves_digits(taken, out.is_zero, options, arithmetic);
     for (RoundingEffect const& s : out.comparison.rounding) out.in_range = s.in_range;
+    if (!out.in_range && !scale) return tried(records, options, arithmetic, true);
     std::vector<Result const*> sound;
     for (Result const& r : out.comparison.results)
         if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
@@ -186,7 +188,7 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
     DigitsAnswer out{.wanted = wanted_digits(options), .trials = {}, .guard = {}};
     std::vector<Arithmetic const*> const arithmetics = arithmetics_of(options);
     for (Arithmetic const* const a : arithmetics) {
-        out.trials.push_back(tried(records, options, *a));
+        out.trials.push_back(tried(records, options, *a, !fits(records, *a)));
         out.trials.back().comparison.model = model;
         if (progress) progress(double(out.trials.size()) / double(arithmetics.size()));
         if (out.chosen()) break;

@@ -107,7 +107,7 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
     ArithmeticTrial const* const t = a.chosen();
     if (!t)
         return out + bold("nothing tried keeps them", colour) +
-               "; what may: a longer arithmetic (--arithmetic), columns of one size,\n    less dependent regressors\n";
+               "; what may: a longer arithmetic (--arithmetic), less dependent regressors\n";
     KeptDigits const& k = *a.choice();
     size_t const runs = k.result->ends.size();
     out += fmt::format("{}\n", bold(fmt::format("use {} in {}", k.result->entry->variant, t->arithmetic), colour));
