@@ -190,6 +190,21 @@ TEST(State, IsSoughtInTheFirstBytes) {
     EXPECT_EQ(detail::bytes_of(path).size(), state_size(f));
     EXPECT_THAT([] { described_state({}); }, testing::ThrowsMessage<InputError>(testing::HasSubstr("found nothing")));
 }
+/// Of lanes, each of them. A count that indexes memory is read from a file whose checksum anyone can make right.
+TEST(State, HasNoCountBeyondItsEnd) {
+    using Lane = Lanes<std::ptrdiff_t, 2>;
+    for (std::ptrdiff_t const n : {-1, 0, 7, 8}) {
+        std::byte bytes[2 * Encoding<std::ptrdiff_t>::size];
+        Encoding<BoundedCount>::write({n, 0}, bytes);
+        BoundedCount one{0, 7};
+        EXPECT_EQ(Encoding<BoundedCount>::read(bytes, one), 0 <= n && n <= 7) << n;
+        Lane lanes(3);
+        lanes.value[1] = n;
+        BoundedCountOf<Lane> two{Lane(0), 7};
+        Encoding<decltype(two)>::write({lanes, 0}, bytes);
+        EXPECT_EQ(Encoding<decltype(two)>::read(bytes, two), 0 <= n && n <= 7) << n;
+    }
+}
 TEST(State, IsOldOrNewAfterAnyKill) {
     EXPECT_TRUE(whole_after_kills([](auto const& f, auto const& path) { save(f, path, false); }, 50));
     EXPECT_TRUE(whole_after_kills([](auto const& f, auto const& path) { save(f, path, true); }, 50));
