@@ -84,29 +84,33 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph_rank_two"},
     sweeps{"carlson", "ud", "inverse_qr"}, rotations{"qr", "gentleman"};
 
-Table some(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants); }
-Table shapes(Table const& t) { return t.where("data", words(spectra)); }
-Table at_kappa(Table const& t) { return shapes(t).where("kappa", 1e3); }
-Table at_P0(Table const& t) {
-    return shapes(t).where("P0", 1e10).where("kappa", [](double kappa) { return kappa < 2e5; });
+/// Rows of which this holds for the numbers in two columns.
+Selection where_both(Selection const& rows, std::string const& a, std::string const& b, bool (*holds)(double, double)) {
+    return [=](Table const& table) {
+        Table const all = rows(table);
+        Table out(all.columns());
+        size_t const at_a = all.index(a), at_b = all.index(b);
+        for (auto const& row : all.rows())
+            if (holds(std::get<double>(row[at_a]), std::get<double>(row[at_b]))) out.add(row);
+        return out;
+    };
 }
-Table with_P0_of_kappa(Table const& t) {
-    Table out(t.columns());
-    size_t const P0 = t.index("P0"), kappa = t.index("kappa");
-    Table const all = shapes(t);
-    for (auto const& row : all.rows())
-        if (std::get<double>(row[P0]) == std::get<double>(row[kappa]) * std::get<double>(row[kappa])) out.add(row);
-    return out;
-}
+Selection some(std::vector<std::string> const& variants) { return where("variant", variants); }
+Selection const shapes = where("data", words(spectra)), at_kappa = shapes.where("kappa", 1e3),
+                at_P0 = shapes.where("P0", 1e10).where("kappa", below(2e5)),
+                P0_of_kappa =
+                    where_both(shapes, "P0", "kappa", [](double P0, double kappa) { return P0 == kappa * kappa; });
 std::vector<std::string> const by_data{"variant", "data"};
 
-Judgement slopes(Table const& t, std::string const& x, std::string const& y, double from, double to) {
-    return within(t, by_data, slope(x, y), from, to);
+Judge slopes(Selection const& rows, std::vector<std::string> const& variants, std::string const& x,
+             std::string const& y, double from, double to) {
+    return within(rows.where("variant", variants), by_data, slope(x, y), from, to);
 }
-Judgement of_data(Table const& t, std::vector<std::string> const& variants, std::string const& data,
-                  std::string const& y, double from, double to) {
-    Statistic const middle = median(y);
-    return labelled(data, within(some(t, variants).where("data", data), {"variant"}, middle, from, to));
+Judge of_data(std::vector<std::string> const& variants, std::string const& data, double from, double to) {
+    return labelled(data, within(some(variants).where("data", data), {"variant"}, median("eta_P"), from, to));
+}
+Judge shares(std::vector<std::string> const& variants, double from, double to) {
+    return within(shapes.where("variant", variants), {"variant"}, median("P_share"), from, to);
 }
 /// A backward error over 10 sqrt(N/60).
 Statistic over_bound(std::string const& y) {
@@ -119,31 +123,27 @@ Statistic over_bound(std::string const& y) {
             },
             Estimate::most};
 }
-/// Of every form against one.
-Judgement against(Table const& t, std::vector<std::string> const& variants, std::string const& other,
-                  std::string const& y, double from, double to) {
-    std::vector<Judgement> out;
-    for (std::string const& variant : variants) {
+/// Of every sweep against qr.
+Judge against_qr(std::string const& y, double from, double to) {
+    std::vector<Judge> out;
+    for (std::string const& variant : sweeps) {
         Statistic const ratio([=](Table const& seed) {
-            return median(seed.where("variant", variant).numbers(y)) / median(seed.where("variant", other).numbers(y));
+            return median(seed.where("variant", variant).numbers(y)) / median(seed.where("variant", "qr").numbers(y));
         });
-        out.push_back(labelled(variant, within(t, {}, ratio, from, to)));
+        out.push_back(labelled(variant, within(where("data", "pair first"), {}, ratio, from, to)));
     }
     return together(out);
 }
 /// Where first order is enough: condition times backward error below 1e-3.
-Table of_first_order(Table const& t, std::string const& condition, std::string const& eta) {
-    Table out(t.columns());
-    size_t const c = t.index(condition), e = t.index(eta);
-    for (auto const& row : t.rows())
-        if (std::get<double>(row[c]) * std::get<double>(row[e]) * u < 1e-3) out.add(row);
-    return out;
+Judge condition_bounds(std::string const& of) {
+    Selection const rows = where_both(all_rows, of + "_condition", "eta_" + of,
+                                      [](double condition, double eta) { return condition * eta * u < 1e-3; });
+    return labelled(of, within(rows, {"variant"}, greatest(of + "_share").as(Estimate::proven), 0, 1.01));
 }
 
 }  // namespace
 
-extern Study const backward_error;
-Study const backward_error{
+extern Study const backward_error{
     .name = "backward_error",
     .question = "Of which problem is a filter's answer the exact one?",
     .source =
@@ -177,15 +177,11 @@ Study const backward_error{
         "d = 6, N = 60, noise 1e-3: geometric singular values, one small, one large, kappa = 10 to 1e6, P0 = 1e4 to "
         "1e12; two columns that differ by 1e-5, first or last; powers of t, ascending or descending; white rows, N = "
         "60 to 6000",
-    .factors =
-        [](Budget budget) {
-            std::vector<Cell> data = joined(joined(spectra, special), {"white"});
-            return std::vector<Factor>{{"data", data},
-                                       {"kappa", powers(10, 0, 6)},
-                                       {"P0", {1.0, 1e4, 1e6, 1e8, 1e10, 1e12}},
-                                       {"rows", {60.0, 600.0, 6000.0}},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 11)}};
-        },
+    .factors = {{"data", joined(joined(spectra, special), {"white"})},
+                {"kappa", powers(10, 0, 6)},
+                {"P0", {1.0, 1e4, 1e6, 1e8, 1e10, 1e12}},
+                {"rows", {60.0, 600.0, 6000.0}},
+                {"replicate", counted(100), counted(11)}},
     .admits = admits,
     .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share",
                  "theta_share", "over_cond_R", "cond_R", "kappa_of_A", "definite", "apart"},
@@ -225,146 +221,90 @@ Study const backward_error{
                .x_label = "P0",
                .y_label = "backward error of theta / u",
                .where = {{"kappa", {"1000"}}}}},
-    .claims =
-        {
-            {"theta and P in 257 bits are the certified ones in most runs, to 30 digits",
-             [](Table const& t) { return within(t, {"data"}, greatest("apart"), 0, 1e-30); },
-             verification("certified in every trial")},
-            {"no forward error exceeds condition times backward error by more than 1 % where that is below 1e-3",
-             [](Table const& t) {
-                 return labelled("P", within(of_first_order(t, "P_condition", "eta_P"), {"variant"},
-                                             greatest("P_share").as(Estimate::proven), 0, 1.01)) &&
-                        labelled("theta", within(of_first_order(t, "theta_condition", "eta_theta"), {"variant"},
-                                                 greatest("theta_share").as(Estimate::proven), 0, 1.01));
-             },
-             verification("docs/theory.md 71, to first order").by("docs/theory.md 71")},
-            {"B1: qr, gentleman: the backward errors of P and theta are below 10 u sqrt(N/60), in most runs",
-             [](Table const& t) {
-                 return labelled("P", within(some(t, rotations), {"variant", "data"}, over_bound("eta_P"), 0, 1)) &&
-                        labelled("theta",
-                                 within(some(t, rotations), {"variant", "data"}, over_bound("eta_theta"), 0, 1));
-             },
-             own_result("set before the run (B1)")},
-            {"carlson, ud, inverse_qr: the backward error of theta is below 10 u sqrt(N/60), in most runs",
-             [](Table const& t) {
-                 return within(some(t, sweeps), {"variant", "data"}, over_bound("eta_theta"), 0, 1);
-             },
-             own_result("as B1, set before the run")},
-            {"B2: carlson, ud, inverse_qr: the backward error of P is 0.02 to 3 times u cond(R), in most runs",
-             [](Table const& t) {
-                 Statistic const share = least("over_cond_R"), most = greatest("over_cond_R");
-                 return labelled("least", within(some(t, sweeps), by_data, share, 0.02, 3)) &&
-                        labelled("greatest", within(some(t, sweeps), by_data, most, 0.02, 3));
-             },
-             own_result("set before the run (B2)")},
-            {"B3: P forms, P0 = kappa^2: the backward error of P has slope 2.0 +- 0.2 in kappa",
-             [](Table const& t) { return slopes(some(with_P0_of_kappa(t), P_forms), "kappa", "eta_P", 1.8, 2.2); },
-             own_result("set before the run (B3)")},
-            {"B3: P forms, kappa = 1000: the backward error of P has slope 0.75 to 1 in P0",
-             [](Table const& t) { return slopes(some(at_kappa(t), P_forms), "P0", "eta_P", 0.75, 1); },
-             own_result("set before the run (B3)")},
-            {"B3, B6: P forms, P0 = 1e10: the backward error of P has slope 0 +- 0.3 in kappa",
-             [](Table const& t) { return slopes(some(at_P0(t), P_forms), "kappa", "eta_P", -0.3, 0.3); },
-             own_result("set before the run (B3, B6)")},
-            {"B3: potter, the same: slope 1.0 +- 0.2 in kappa if P0 = kappa^2, "
-             "0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
-             [](Table const& t) {
-                 std::vector<std::string> const potter{"potter"};
-                 return labelled("P0 = kappa^2",
-                                 slopes(some(with_P0_of_kappa(t), potter), "kappa", "eta_P", 0.8, 1.2)) &&
-                        labelled("P0", slopes(some(at_kappa(t), potter), "P0", "eta_P", 0.25, 0.45)) &&
-                        labelled("kappa", slopes(some(at_P0(t), potter), "kappa", "eta_P", -0.3, 0.3));
-             },
-             own_result("set before the run (B3)")},
-            {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, "
-             "each to 0.1",
-             [](Table const& t) {
-                 return labelled("P0", slopes(some(at_kappa(t), {"joseph"}), "P0", "eta_P", 0.9, 1.1)) &&
-                        labelled("kappa", slopes(some(at_P0(t), {"joseph"}), "kappa", "eta_P", 0.9, 1.1));
-             },
-             own_result("set before the run (B6)")},
-            {"P forms, the forward error of P: slope 0.75 to 1 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
-             [](Table const& t) {
-                 return labelled("P0", slopes(some(at_kappa(t), P_forms), "P0", "P_error", 0.75, 1)) &&
-                        labelled("kappa", slopes(some(at_P0(t), P_forms), "kappa", "P_error", -0.3, 0.3));
-             },
-             own_result("as B3, set before the run")},
-            {"B4: two columns that nearly agree, first: eta_P is 4e4 to 6e4 u in carlson, ud, inverse_qr; "
-             "last: 3 to 8 u; qr, gentleman 1 to 2 u",
-             [](Table const& t) {
-                 return of_data(t, sweeps, "pair first", "eta_P", 4e4, 6e4) &&
-                        of_data(t, sweeps, "pair last", "eta_P", 3, 8) &&
-                        of_data(t, rotations, "pair first", "eta_P", 1, 2) &&
-                        of_data(t, rotations, "pair last", "eta_P", 1, 2);
-             },
-             own_result("set before the run (B4)")},
-            {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, "
-             "inverse_qr)",
-             [](Table const& t) {
-                 return of_data(t, sweeps, "powers up", "eta_P", 3, 13) &&
-                        of_data(t, sweeps, "powers down", "eta_P", 25, 1000);
-             },
-             own_result("set before the run (B4)")},
-            {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 "
-             "times qr's and more, the forward error the same to a factor of 3",
-             [](Table const& t) {
-                 Table const pair = t.where("data", "pair first");
-                 return labelled("backward", against(pair, sweeps, "qr", "eta_P", 1000, 1e300)) &&
-                        labelled("forward", against(pair, sweeps, "qr", "P_error", 1.0 / 3, 3));
-             },
-             own_result("a factor of 3, set before the run (B5)")},
-            {"B7: information, P0 = kappa^2: forward slope 2.0 +- 0.2, backward slope 1.0 +- 0.1 (P)",
-             [](Table const& t) {
-                 Table const rows = some(with_P0_of_kappa(t), {"information"}).where("kappa", [](double kappa) {
-                     return kappa < 2e5;
-                 });
-                 return labelled("forward", slopes(rows, "kappa", "P_error", 1.8, 2.2)) &&
-                        labelled("backward", slopes(rows, "kappa", "eta_P", 0.9, 1.1));
-             },
-             own_result("set before the run (B7)")},
-            {"B7: information, P0 = kappa^2: the backward error of P is 0.1 u kappa, to a factor of 3",
-             [](Table const& t) {
-                 Statistic const ratio([](Table const& r) { return r.number("eta_P") / r.number("kappa"); });
-                 return within(some(with_P0_of_kappa(t), {"information"}), {"data", "kappa"}, ratio, 0.1 / 3, 0.3);
-             },
-             own_result("a factor of 3, set before the run (B7)")},
-            {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each "
-             "of the data",
-             [](Table const& t) {
-                 Statistic const share([](Table const& r) {
-                     std::vector<double> e = r.numbers("over_cond_R"), rows = r.numbers("rows");
-                     for (size_t i = 0; i < e.size(); ++i) e[i] /= std::sqrt(rows[i] / 60);
-                     return median(e);
-                 });
-                 return within(some(t, sweeps), by_data, share, 0.1, 2);
-             },
-             own_result("set after the first full run: B2 with N")},
-            {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman "
-             "0.01 to 0.1, carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
-             [](Table const& t) {
-                 auto const of = [&](std::vector<std::string> const& variants, double from, double to) {
-                     return within(some(shapes(t), variants), {"variant"}, median("P_share"), from, to);
-                 };
-                 return of({"information"}, 0.5, 1) && of(rotations, 0.01, 0.1) && of(sweeps, 0.003, 0.03) &&
-                        of(P_forms, 0, 1e-3);
-             },
-             own_result("set after the first full run")},
-            {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- "
-             "0.3, 0.5 to 1 in kappa at P0 = 1e10",
-             [](Table const& t) {
-                 auto const of = [&](char const* variant, Table const& rows, char const* x, double from, double to) {
-                     return slopes(some(rows, {variant}), x, "P_error", from, to);
-                 };
-                 return of("potter", at_kappa(t), "P0", 0.3, 0.5) && of("joseph", at_kappa(t), "P0", 1, 1.25) &&
-                        of("potter", at_P0(t), "kappa", -0.3, 0.3) && of("joseph", at_P0(t), "kappa", 0.5, 1);
-             },
-             own_result("set after the first full run")},
-            {"white rows, 60 to 6000: the backward error of P grows as N^0.35 to N^0.6 in every form",
-             [](Table const& t) {
-                 return within(t.where("data", "white"), {"variant"}, slope("rows", "eta_P"), 0.35, 0.6);
-             },
-             own_result("set before the run")},
-        },
-};
+    .claims = {
+        {"theta and P in 257 bits are the certified ones in most runs, to 30 digits",
+         within(all_rows, {"data"}, greatest("apart"), 0, 1e-30), verification("certified in every trial")},
+        {"no forward error exceeds condition times backward error by more than 1 % where that is below 1e-3",
+         condition_bounds("P") && condition_bounds("theta"),
+         verification("docs/theory.md 71, to first order").by("docs/theory.md 71")},
+        {"B1: qr, gentleman: the backward errors of P and theta are below 10 u sqrt(N/60), in most runs",
+         labelled("P", within(some(rotations), by_data, over_bound("eta_P"), 0, 1)) &&
+             labelled("theta", within(some(rotations), by_data, over_bound("eta_theta"), 0, 1)),
+         own_result("set before the run (B1)")},
+        {"carlson, ud, inverse_qr: the backward error of theta is below 10 u sqrt(N/60), in most runs",
+         within(some(sweeps), by_data, over_bound("eta_theta"), 0, 1), own_result("as B1, set before the run")},
+        {"B2: carlson, ud, inverse_qr: the backward error of P is 0.02 to 3 times u cond(R), in most runs",
+         labelled("least", within(some(sweeps), by_data, least("over_cond_R"), 0.02, 3)) &&
+             labelled("greatest", within(some(sweeps), by_data, greatest("over_cond_R"), 0.02, 3)),
+         own_result("set before the run (B2)")},
+        {"B3: P forms, P0 = kappa^2: the backward error of P has slope 2.0 +- 0.2 in kappa",
+         slopes(P0_of_kappa, P_forms, "kappa", "eta_P", 1.8, 2.2), own_result("set before the run (B3)")},
+        {"B3: P forms, kappa = 1000: the backward error of P has slope 0.75 to 1 in P0",
+         slopes(at_kappa, P_forms, "P0", "eta_P", 0.75, 1), own_result("set before the run (B3)")},
+        {"B3, B6: P forms, P0 = 1e10: the backward error of P has slope 0 +- 0.3 in kappa",
+         slopes(at_P0, P_forms, "kappa", "eta_P", -0.3, 0.3), own_result("set before the run (B3, B6)")},
+        {"B3: potter, the same: slope 1.0 +- 0.2 in kappa if P0 = kappa^2, "
+         "0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
+         labelled("P0 = kappa^2", slopes(P0_of_kappa, {"potter"}, "kappa", "eta_P", 0.8, 1.2)) &&
+             labelled("P0", slopes(at_kappa, {"potter"}, "P0", "eta_P", 0.25, 0.45)) &&
+             labelled("kappa", slopes(at_P0, {"potter"}, "kappa", "eta_P", -0.3, 0.3)),
+         own_result("set before the run (B3)")},
+        {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, "
+         "each to 0.1",
+         labelled("P0", slopes(at_kappa, {"joseph"}, "P0", "eta_P", 0.9, 1.1)) &&
+             labelled("kappa", slopes(at_P0, {"joseph"}, "kappa", "eta_P", 0.9, 1.1)),
+         own_result("set before the run (B6)")},
+        {"P forms, the forward error of P: slope 0.75 to 1 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
+         labelled("P0", slopes(at_kappa, P_forms, "P0", "P_error", 0.75, 1)) &&
+             labelled("kappa", slopes(at_P0, P_forms, "kappa", "P_error", -0.3, 0.3)),
+         own_result("as B3, set before the run")},
+        {"B4: two columns that nearly agree, first: eta_P is 4e4 to 6e4 u in carlson, ud, inverse_qr; "
+         "last: 3 to 8 u; qr, gentleman 1 to 2 u",
+         of_data(sweeps, "pair first", 4e4, 6e4) && of_data(sweeps, "pair last", 3, 8) &&
+             of_data(rotations, "pair first", 1, 2) && of_data(rotations, "pair last", 1, 2),
+         own_result("set before the run (B4)")},
+        {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, "
+         "inverse_qr)",
+         of_data(sweeps, "powers up", 3, 13) && of_data(sweeps, "powers down", 25, 1000),
+         own_result("set before the run (B4)")},
+        {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 "
+         "times qr's and more, the forward error the same to a factor of 3",
+         labelled("backward", against_qr("eta_P", 1000, 1e300)) &&
+             labelled("forward", against_qr("P_error", 1.0 / 3, 3)),
+         own_result("a factor of 3, set before the run (B5)")},
+        {"B7: information, P0 = kappa^2: forward slope 2.0 +- 0.2, backward slope 1.0 +- 0.1 (P)",
+         labelled("forward",
+                  slopes(P0_of_kappa.where("kappa", below(2e5)), {"information"}, "kappa", "P_error", 1.8, 2.2)) &&
+             labelled("backward",
+                      slopes(P0_of_kappa.where("kappa", below(2e5)), {"information"}, "kappa", "eta_P", 0.9, 1.1)),
+         own_result("set before the run (B7)")},
+        {"B7: information, P0 = kappa^2: the backward error of P is 0.1 u kappa, to a factor of 3",
+         within(P0_of_kappa.where("variant", "information"), {"data", "kappa"},
+                Statistic([](Table const& r) { return r.number("eta_P") / r.number("kappa"); }), 0.1 / 3, 0.3),
+         own_result("a factor of 3, set before the run (B7)")},
+        {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each "
+         "of the data",
+         within(some(sweeps), by_data, Statistic([](Table const& r) {
+                    std::vector<double> e = r.numbers("over_cond_R"), rows = r.numbers("rows");
+                    for (size_t i = 0; i < e.size(); ++i) e[i] /= std::sqrt(rows[i] / 60);
+                    return median(e);
+                }),
+                0.1, 2),
+         own_result("set after the first full run: B2 with N")},
+        {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman "
+         "0.01 to 0.1, carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
+         shares({"information"}, 0.5, 1) && shares(rotations, 0.01, 0.1) && shares(sweeps, 0.003, 0.03) &&
+             shares(P_forms, 0, 1e-3),
+         own_result("set after the first full run")},
+        {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- "
+         "0.3, 0.5 to 1 in kappa at P0 = 1e10",
+         slopes(at_kappa, {"potter"}, "P0", "P_error", 0.3, 0.5) &&
+             slopes(at_kappa, {"joseph"}, "P0", "P_error", 1, 1.25) &&
+             slopes(at_P0, {"potter"}, "kappa", "P_error", -0.3, 0.3) &&
+             slopes(at_P0, {"joseph"}, "kappa", "P_error", 0.5, 1),
+         own_result("set after the first full run")},
+        {"white rows, 60 to 6000: the backward error of P grows as N^0.35 to N^0.6 in every form",
+         within(where("data", "white"), {"variant"}, slope("rows", "eta_P"), 0.35, 0.6),
+         own_result("set before the run")}}};
 
 }  // namespace rlslab::studies

@@ -73,21 +73,27 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 /// From 2^8 on, where conditioning and not the memory decides, to the last kappa before one at which some run needs
 /// more bits than there are: no run is left out for what it needs.
-Table steep(Table const& t, std::vector<std::string> const& variants, std::string const& column) {
-    Table const of = t.where("variant", variants).where("log2_kappa", [](double x) { return x >= 8; });
-    std::vector<double> const x = of.numbers("log2_kappa"), bits = of.numbers(column);
-    double end = INFINITY;
-    for (size_t i = 0; i < x.size(); ++i)
-        if (!(bits[i] <= longest)) end = std::min(end, x[i]);
-    return of.where("log2_kappa", [=](double at) { return at < end; });
+Selection steep(std::vector<std::string> const& variants, std::string const& column) {
+    return [=](Table const& t) {
+        Table const of = t.where("variant", variants).where("log2_kappa", at_least(8));
+        std::vector<double> const x = of.numbers("log2_kappa"), bits = of.numbers(column);
+        double end = INFINITY;
+        for (size_t i = 0; i < x.size(); ++i)
+            if (!(bits[i] <= longest)) end = std::min(end, x[i]);
+        return of.where("log2_kappa", below(end));
+    };
+}
+Judge bits_for_a_bit(std::vector<std::string> const& variants, std::string const& column, double from, double to,
+                     std::vector<std::string> const& by = {"lambda"}) {
+    return within(steep(variants, column), by, linear_slope("log2_kappa", column), from, to);
 }
 std::vector<std::string> const factors = words(factor_forms());
 std::vector<std::string> const plain{"conventional_two_sided", "symmetric", "joseph_rank_two", "information"};
 
 /// needed - slope log2 kappa over the same rows.
-Judgement offset(Table const& t, std::vector<std::string> const& variants, double slope_, double from, double to) {
+Judge offset(std::vector<std::string> const& variants, double slope_, double from, double to) {
     return within(
-        steep(t, variants, "needed"), {"lambda", "variant"},
+        steep(variants, "needed"), {"lambda", "variant"},
         [=](Table const& g) {
             std::vector<double> c = g.numbers("needed"), x = g.numbers("log2_kappa");
             for (size_t i = 0; i < c.size(); ++i) c[i] -= slope_ * x[i];
@@ -98,8 +104,7 @@ Judgement offset(Table const& t, std::vector<std::string> const& variants, doubl
 
 }  // namespace
 
-extern Study const choose;
-Study const choose{
+extern Study const choose{
     .name = "choose",
     .question = "Which variant can be trusted with how many bits?",
     .source =
@@ -120,12 +125,7 @@ Study const choose{
         "bits even for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke "
         "down.",
     .data = "graded rows, d = 4, P0 = kappa^2",
-    .factors =
-        [](Budget budget) {
-            return std::vector<Factor>{{"lambda", {1.0, 0.99}},
-                                       {"kappa", powers(2, 0, 20, 2)},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
-        },
+    .factors = {{"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(20), counted(11)}},
     .admits =
         [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("kappa") == 1; },
     .measures = {"variant", "log2_kappa", "bits", "digits", "kept", "needed", "half"},
@@ -156,58 +156,34 @@ Study const choose{
                .log = "x",
                .x_label = "condition number kappa",
                .y_label = "bits of significand"}},
-    .claims =
-        {
-            {"factor forms, taken together: 1.0 +- 0.15 bits for each bit of kappa",
-             [](Table const& t) {
-                 return within(steep(t, factors, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 0.85,
-                               1.15);
-             },
-             own_result("set with the earlier experiment, docs/literature.md 3.6")},
-            {"P or its inverse stored plainly: 2.0 +- 0.2 bits for each bit of kappa",
-             [](Table const& t) {
-                 return within(steep(t, plain, "needed"), {"lambda", "variant"}, linear_slope("log2_kappa", "needed"),
-                               1.8, 2.2);
-             },
-             own_result("set with the earlier experiment, docs/literature.md 3.6")},
-            {"Joseph's products: 2.7 to 3.1 bits for each bit of kappa",
-             [](Table const& t) {
-                 return within(steep(t, {"joseph"}, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 2.7,
-                               3.1);
-             },
-             own_result("set with the earlier experiment, docs/literature.md 3.6")},
-            {"factor forms: log2 kappa + c with c from 6 to 11",
-             [](Table const& t) { return offset(t, factors, 1, 6, 11); },
-             own_result("first edition, set after its run")},
-            {"symmetric, conventional_two_sided, joseph_rank_two: 2 log2 kappa + c with c from 1 to 7",
-             [](Table const& t) {
-                 return offset(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, 2, 1, 7);
-             },
-             own_result("first edition, set after its run")},
-            {"to keep half of the digits takes twice the slopes: 2.0 +- 0.3 (factor forms together)",
-             [](Table const& t) {
-                 return within(steep(t, factors, "half"), {"lambda"}, linear_slope("log2_kappa", "half"), 1.7, 2.3);
-             },
-             own_result("twice the band of docs/literature.md 3.6")},
-            {"and 4.0 +- 0.4 (symmetric, conventional_two_sided, joseph_rank_two together)",
-             [](Table const& t) {
-                 return within(steep(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, "half"), {"lambda"},
-                               linear_slope("log2_kappa", "half"), 3.6, 4.4);
-             },
-             own_result("twice the band of docs/literature.md 3.6")},
-            {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in most "
-             "runs",
-             [](Table const& t) {
-                 Statistic const more(
-                     [](Table const& g) {
-                         return median("needed")(g.where("variant", "conventional")) -
-                                median("needed")(g.where("variant", "symmetric"));
-                     },
-                     Estimate::most);
-                 return within(t.where("lambda", 0.99).where("kappa", 1.0), {}, more, 10, INFINITY);
-             },
-             own_result("first edition, set after its run")},
-        },
-};
+    .claims = {
+        {"factor forms, taken together: 1.0 +- 0.15 bits for each bit of kappa",
+         bits_for_a_bit(factors, "needed", 0.85, 1.15),
+         own_result("set with the earlier experiment, docs/literature.md 3.6")},
+        {"P or its inverse stored plainly: 2.0 +- 0.2 bits for each bit of kappa",
+         bits_for_a_bit(plain, "needed", 1.8, 2.2, {"lambda", "variant"}),
+         own_result("set with the earlier experiment, docs/literature.md 3.6")},
+        {"Joseph's products: 2.7 to 3.1 bits for each bit of kappa", bits_for_a_bit({"joseph"}, "needed", 2.7, 3.1),
+         own_result("set with the earlier experiment, docs/literature.md 3.6")},
+        {"factor forms: log2 kappa + c with c from 6 to 11", offset(factors, 1, 6, 11),
+         own_result("first edition, set after its run")},
+        {"symmetric, conventional_two_sided, joseph_rank_two: 2 log2 kappa + c with c from 1 to 7",
+         offset({"symmetric", "conventional_two_sided", "joseph_rank_two"}, 2, 1, 7),
+         own_result("first edition, set after its run")},
+        {"to keep half of the digits takes twice the slopes: 2.0 +- 0.3 (factor forms together)",
+         bits_for_a_bit(factors, "half", 1.7, 2.3), own_result("twice the band of docs/literature.md 3.6")},
+        {"and 4.0 +- 0.4 (symmetric, conventional_two_sided, joseph_rank_two together)",
+         bits_for_a_bit({"symmetric", "conventional_two_sided", "joseph_rank_two"}, "half", 3.6, 4.4),
+         own_result("twice the band of docs/literature.md 3.6")},
+        {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in most runs",
+         within(where("lambda", 0.99).where("kappa", 1.0), {},
+                Statistic(
+                    [](Table const& g) {
+                        return median("needed")(g.where("variant", "conventional")) -
+                               median("needed")(g.where("variant", "symmetric"));
+                    },
+                    Estimate::most),
+                10, INFINITY),
+         own_result("first edition, set after its run")}}};
 
 }  // namespace rlslab::studies

@@ -18,4 +18,15 @@ std::vector<CatalogueEntry> const& fixed_point_filters() {
     return entries;
 }
 
+CatalogueEntry const* rounding_every_operation(std::string_view variant) {
+    using T = VariableFixedRounded;
+    static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return T(x).value(); }};
+    static CatalogueEntry const entries[] = {untimed_entry_of<Symmetric<T>>(&arithmetic),
+                                             untimed_entry_of<Ud<T>>(&arithmetic),
+                                             untimed_entry_of<Qr<T>>(&arithmetic)};
+    for (CatalogueEntry const& entry : entries)
+        if (entry.variant == variant) return &entry;
+    return nullptr;
+}
+
 }  // namespace rlslab::studies

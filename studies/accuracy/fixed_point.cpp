@@ -62,22 +62,22 @@ std::vector<std::string> const by_data{"variant", "d", "pole", "lambda", "shift"
 std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
 std::vector<std::string> const doubly_root{"potter", "carlson", "inverse_qr", "qr", "extended_qr", "qr_block"};
 
-Table some(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants); }
-Table of_unit_rows(Table const& t) { return t.where("shift", 0.0).where("d", 4.0); }
-Table in_unit_interval(Table const& t) { return t.where("shift", 3.0); }
-Table that_survive(Table const& t) {
-    return t.where("fraction", [](double bits) { return std::isfinite(bits); });
+Selection some(std::vector<std::string> const& variants) { return where("variant", variants); }
+Selection of_unit_rows(std::vector<std::string> const& variants) {
+    return some(variants).where("shift", 0.0).where("d", 4.0);
 }
+Selection in_unit_interval(std::vector<std::string> const& variants) { return some(variants).where("shift", 3.0); }
+Selection const that_survive = where("fraction", [](double bits) { return std::isfinite(bits); });
 /// symmetric's mean on rows of variance 1, within a band for each pole of the table.
-Judgement at_each_pole(Table const& t, std::string const& column,
-                       std::map<double, std::pair<double, double>> const& bands) {
-    std::vector<Judgement> out;
-    for (Cell const& pole : t.distinct("pole")) {
-        auto const [from, to] = bands.at(std::get<double>(pole));
-        out.push_back(labelled("pole " + as_text(pole), within(some(of_unit_rows(t), {"symmetric"}).where("pole", pole),
-                                                               {"lambda"}, mean(column), from, to)));
-    }
-    return together(out);
+Judge at_each_pole(std::string const& column, std::map<double, std::pair<double, double>> const& bands) {
+    return of_unit_rows({"symmetric"}).judged([=](Table const& t) {
+        std::vector<Judgement> out;
+        for (auto const& [name, rows] : t.groups({"pole"})) {
+            auto const [from, to] = bands.at(rows.numbers("pole").front());
+            out.push_back(labelled(name, within(rows, {"lambda"}, mean(column), from, to)));
+        }
+        return together(out);
+    });
 }
 /// The mean over seeds of what f says of the rows of one.
 Statistic of_each_seed(std::function<double(Table const&)> f) {
@@ -92,6 +92,17 @@ Statistic of_each_seed(std::function<double(Table const&)> f) {
 Statistic less(std::string column, std::function<double(Table const&)> law) {
     return of_each_seed([=](Table const& row) { return row.number(column) - law(row); });
 }
+/// What rows 2^3 times as large cost symmetric.
+Judge costs(std::string const& column, double from, double to) {
+    Statistic const cost = of_each_seed(
+        [=](Table const& g) { return g.where("shift", 0.0).number(column) - g.where("shift", 3.0).number(column); });
+    return within(some({"symmetric"}).where("d", 4.0), {"pole", "lambda"}, cost, from, to);
+}
+Statistic const ends_by_a_zero_pivot{[](Table const& seed) {
+                                         return double(seed.where("below", "zero_pivot").rows().size()) /
+                                                double(seed.rows().size());
+                                     },
+                                     Estimate::share};
 double memory(Table const& row) { return row.number("log2_memory"); }
 /// (1/2) log2 1/(1 - lambda^2).
 double half_memory(Table const& row) {
@@ -101,8 +112,7 @@ double half_memory(Table const& row) {
 
 }  // namespace
 
-extern Study const fixed_point;
-Study const fixed_point{
+extern Study const fixed_point{
     .name = "fixed_point",
     .question = "How long must a fixed-point word be, and where does its point go?",
     .source =
@@ -129,20 +139,11 @@ Study const fixed_point{
     .data =
         "delay lines of 2, 4, 8 taps, white and with poles 0.9 and 0.99; 30 memories; rows of variance 1 with P0 = I, "
         "and 2^-3 of them, in [-1, 1), with P0 = 64 I; y = psi'theta + noise, theta = 1/8, all |y| < 1",
-    .factors =
-        [](Budget budget) {
-            if (budget == Budget::quick)
-                return std::vector<Factor>{{"d", {4.0}},
-                                           {"pole", {0.0, 0.9}},
-                                           {"lambda", {0.9, 0.97}},
-                                           {"shift", {0.0, 3.0}},
-                                           {"replicate", counted(11)}};
-            return std::vector<Factor>{{"d", {2.0, 4.0, 8.0}},
-                                       {"pole", {0.0, 0.9, 0.99}},
-                                       {"lambda", {0.9, 0.97, 0.99, 0.997}},
-                                       {"shift", {0.0, 3.0}},
-                                       {"replicate", counted(20)}};
-        },
+    .factors = {{"d", {2.0, 4.0, 8.0}, {4.0}},
+                {"pole", {0.0, 0.9, 0.99}, {0.0, 0.9}},
+                {"lambda", {0.9, 0.97, 0.99, 0.997}, {0.9, 0.97}},
+                {"shift", {0.0, 3.0}},
+                {"replicate", counted(20), counted(11)}},
     .admits =
         [](Trial const& trial) {
             return trial.number("d") == 4 ||
@@ -170,133 +171,79 @@ Study const fixed_point{
                .y_label = "bits of the word needed",
                .where = {{"shift", {"3"}}, {"d", {"4"}}},
                .guides = {{"16 bits", [](double) { return 16; }}}}},
-    .claims =
-        {
-            {"the double that the words are compared with has at least 8 digits of P, in most runs",
-             [](Table const& t) { return within(t, {}, least("reference_digits"), 8, INFINITY); },
-             verification("certified in every trial")},
-            {"X1: the sufficient condition of docs/theory.md 67 asks 37 to 47 bits for white rows, 54 to 57 for the "
-             "pole 0.9, 69 to 72 for 0.99",
-             [](Table const& t) {
-                 return at_each_pole(t, "sufficient", {{0, {37, 47}}, {0.9, {54, 57}}, {0.99, {69, 72}}});
-             },
-             reproduction("earlier evaluation of the formula of docs/theory.md 67")},
-            {"X1: of significand symmetric needs 4 to 9 bits for white rows, 8 to 10 for the pole 0.9, 13 to 14 for "
-             "0.99",
-             [](Table const& t) {
-                 return at_each_pole(t, "floating", {{0, {4, 9}}, {0.9, {8, 10}}, {0.99, {13, 14}}});
-             },
-             own_result("set after a pilot at the quick budget")},
-            {"X2: in most runs no variant survives with fewer than log2 1/(1 - lambda) bits behind the point",
-             [](Table const& t) {
-                 return within(that_survive(t), by_data, less("fraction", memory).as(Estimate::most), 0, 48);
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"X2: forms that multiply by the root of lambda need one bit more than that, in most runs",
-             [](Table const& t) {
-                 return within(some(that_survive(t), doubly_root), by_data, less("fraction", memory).as(Estimate::most),
-                               1, 48);
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"X3: forms that propagate P: log2 1/lambda_min + (1/2) log2 1/(1 - lambda^2) + 3 bits behind the point, "
-             "to 2",
-             [](Table const& t) {
-                 return within(
-                     some(t, P_forms), by_data,
-                     less("fraction", [](Table const& r) { return -r.number("log2_least_P") + half_memory(r) + 3; }),
-                     -2, 2);
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"X3: rows 2^3 times as large cost symmetric 6 bits behind the point, to 1, and no bit of the word, to 1",
-             [](Table const& t) {
-                 auto const between = [&](std::string column, double from, double to) {
-                     return within(
-                         some(t.where("d", 4.0), {"symmetric"}), {"pole", "lambda"}, of_each_seed([=](Table const& g) {
-                             return g.where("shift", 0.0).number(column) - g.where("shift", 3.0).number(column);
-                         }),
-                         from, to);
-                 };
-                 return labelled("behind the point", between("fraction", 5, 7)) &&
-                        labelled("word", between("word", -1, 1));
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"sums that are exact until stored save 0 to 2 bits behind the point against products that are rounded "
-             "(symmetric, ud, qr)",
-             [](Table const& t) {
-                 return within(some(of_unit_rows(t), {"symmetric", "ud", "qr"}), by_data,
-                               less("fraction_rounded", [](Table const& r) { return r.number("fraction"); }), 0, 2);
-             },
-             own_result("docs/theory.md 65, set before the run")},
-            {"X4: qr, rows of variance 1: log2 1/(1 - lambda) + 1 to 4 bits behind the point, whatever the colour",
-             [](Table const& t) {
-                 return within(some(of_unit_rows(t), {"qr"}), by_data, less("fraction", memory), 1, 4);
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"about 8 bits behind the point suffice for qr (lambda up to 0.99, rows of variance 1)",
-             [](Table const& t) {
-                 return within(some(of_unit_rows(t), {"qr"}).where("lambda", [](double l) { return l < 0.995; }),
-                               by_data, mean("fraction"), 0, 8.5);
-             },
-             reproduction("Raghunath & Parhi 1997 (abstract read)")},
-            {"qr, rows of variance 1: at most log2 max |psi_i| + (1/2) log2 1/(1 - lambda) + 2 bits before the point, "
-             "in most runs",
-             [](Table const& t) {
-                 auto const law = [](Table const& r) {
-                     return r.number("log2_largest_psi") + r.number("log2_memory") / 2 + 2;
-                 };
-                 return within(some(of_unit_rows(t), {"qr"}), by_data, less("integer", law).as(Estimate::most), -48, 0);
-             },
-             own_result("docs/theory.md 65, set before the run")},
-            {"X5: ud, rows of variance 1: 4 to 11 bits behind the point",
-             [](Table const& t) { return within(some(of_unit_rows(t), {"ud"}), by_data, mean("fraction"), 4, 11); },
-             own_result("set after a pilot at the quick budget")},
-            {"X5: what ends ud with a bit less is a D that became 0, in at least half of the runs",
-             [](Table const& t) {
-                 Statistic const share = [](Table const& seed) {
-                     return double(seed.where("below", "zero_pivot").rows().size()) / double(seed.rows().size());
-                 };
-                 return within(some(t, {"ud"}), {}, share.as(Estimate::share), 0.5, 1);
-             },
-             own_result("set after a pilot at the quick budget")},
-            {"symmetric: the word takes log2 (largest / least eigenvalue of P in the run) + (1/2) log2 1/(1 - "
-             "lambda^2) + 4 bits, to 3",
-             [](Table const& t) {
-                 return within(some(in_unit_interval(t), {"symmetric"}), by_data,
-                               less("word",
-                                    [](Table const& r) {
-                                        return r.number("log2_greatest_P") - r.number("log2_least_P") + half_memory(r) +
-                                               4;
-                                    }),
-                               -3, 3);
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"theta's noise from rounding is that of one rounding of K e: within a factor of 1.25 of the law "
-             "(symmetric, ud; white rows)",
-             [](Table const& t) {
-                 return within(some(t.where("pole", 0.0), {"symmetric", "ud"}), by_data,
-                               of_each_seed([](Table const& r) { return r.number("theta_noise"); }), 1 / 1.25, 1.25);
-             },
-             own_result("docs/theory.md 66, set before the run")},
-            {"in words of 32 bits, rows in [-1, 1), every dense variant survives most runs but conventional and kalman",
-             [](Table const& t) {
-                 Table words = in_unit_interval(t).where(
-                     "variant", std::vector<std::string>{"conventional_two_sided", "symmetric", "joseph",
-                                                         "joseph_rank_two", "potter", "carlson", "ud", "inverse_qr",
-                                                         "information", "qr", "gentleman", "extended_qr", "qr_block"});
-                 return everywhere(words, "in_32", "survives");
-             },
-             own_result("set after a pilot at the quick budget")},
-            {"conventional and kalman survive in no word in most runs: their antisymmetric error grows as lambda^-k",
-             [](Table const& t) {
-                 return within(some(t, {"conventional", "kalman"}), by_data, least("fraction"), INFINITY, INFINITY);
-             },
-             own_result("docs/theory.md 28, law ii, set before the run")},
-            {"in words of 16 bits, rows in [-1, 1), qr survives most runs at lambda = 0.9",
-             [](Table const& t) {
-                 return everywhere(some(in_unit_interval(t), {"qr"}).where("lambda", 0.9), "in_16", "survives");
-             },
-             own_result("set after a pilot at the quick budget")},
-        },
-};
+    .claims = {
+        {"the double that the words are compared with has at least 8 digits of P, in most runs",
+         within(all_rows, {}, least("reference_digits"), 8, INFINITY), verification("certified in every trial")},
+        {"X1: the sufficient condition of docs/theory.md 67 asks 37 to 47 bits for white rows, 54 to 57 for the "
+         "pole 0.9, 69 to 72 for 0.99",
+         at_each_pole("sufficient", {{0, {37, 47}}, {0.9, {54, 57}}, {0.99, {69, 72}}}),
+         reproduction("earlier evaluation of the formula of docs/theory.md 67")},
+        {"X1: of significand symmetric needs 4 to 9 bits for white rows, 8 to 10 for the pole 0.9, 13 to 14 for 0.99",
+         at_each_pole("floating", {{0, {4, 9}}, {0.9, {8, 10}}, {0.99, {13, 14}}}),
+         own_result("set after a pilot at the quick budget")},
+        {"X2: in most runs no variant survives with fewer than log2 1/(1 - lambda) bits behind the point",
+         within(that_survive, by_data, less("fraction", memory).as(Estimate::most), 0, 48),
+         own_result("docs/theory.md 66, set before the run")},
+        {"X2: forms that multiply by the root of lambda need one bit more than that, in most runs",
+         within(that_survive.where("variant", doubly_root), by_data, less("fraction", memory).as(Estimate::most), 1,
+                48),
+         own_result("docs/theory.md 66, set before the run")},
+        {"X3: forms that propagate P: log2 1/lambda_min + (1/2) log2 1/(1 - lambda^2) + 3 bits behind the point, to 2",
+         within(some(P_forms), by_data,
+                less("fraction", [](Table const& r) { return -r.number("log2_least_P") + half_memory(r) + 3; }), -2, 2),
+         own_result("docs/theory.md 66, set before the run")},
+        {"X3: rows 2^3 times as large cost symmetric 6 bits behind the point, to 1, and no bit of the word, to 1",
+         labelled("behind the point", costs("fraction", 5, 7)) && labelled("word", costs("word", -1, 1)),
+         own_result("docs/theory.md 66, set before the run")},
+        {"sums that are exact until stored save 0 to 2 bits behind the point against products that are rounded "
+         "(symmetric, ud, qr)",
+         within(of_unit_rows({"symmetric", "ud", "qr"}), by_data,
+                less("fraction_rounded", [](Table const& r) { return r.number("fraction"); }), 0, 2),
+         own_result("docs/theory.md 65, set before the run")},
+        {"X4: qr, rows of variance 1: log2 1/(1 - lambda) + 1 to 4 bits behind the point, whatever the colour",
+         within(of_unit_rows({"qr"}), by_data, less("fraction", memory), 1, 4),
+         own_result("docs/theory.md 66, set before the run")},
+        {"about 8 bits behind the point suffice for qr (lambda up to 0.99, rows of variance 1)",
+         within(of_unit_rows({"qr"}).where("lambda", below(0.995)), by_data, mean("fraction"), 0, 8.5),
+         reproduction("Raghunath & Parhi 1997 (abstract read)")},
+        {"qr, rows of variance 1: at most log2 max |psi_i| + (1/2) log2 1/(1 - lambda) + 2 bits before the point, "
+         "in most runs",
+         within(of_unit_rows({"qr"}), by_data,
+                less("integer",
+                     [](Table const& r) { return r.number("log2_largest_psi") + r.number("log2_memory") / 2 + 2; })
+                    .as(Estimate::most),
+                -48, 0),
+         own_result("docs/theory.md 65, set before the run")},
+        {"X5: ud, rows of variance 1: 4 to 11 bits behind the point",
+         within(of_unit_rows({"ud"}), by_data, mean("fraction"), 4, 11),
+         own_result("set after a pilot at the quick budget")},
+        {"X5: what ends ud with a bit less is a D that became 0, in at least half of the runs",
+         within(some({"ud"}), {}, ends_by_a_zero_pivot, 0.5, 1), own_result("set after a pilot at the quick budget")},
+        {"symmetric: the word takes log2 (largest / least eigenvalue of P in the run) + (1/2) log2 1/(1 - "
+         "lambda^2) + 4 bits, to 3",
+         within(in_unit_interval({"symmetric"}), by_data,
+                less("word",
+                     [](Table const& r) {
+                         return r.number("log2_greatest_P") - r.number("log2_least_P") + half_memory(r) + 4;
+                     }),
+                -3, 3),
+         own_result("docs/theory.md 66, set before the run")},
+        {"theta's noise from rounding is that of one rounding of K e: within a factor of 1.25 of the law "
+         "(symmetric, ud; white rows)",
+         within(some({"symmetric", "ud"}).where("pole", 0.0), by_data,
+                of_each_seed([](Table const& r) { return r.number("theta_noise"); }), 1 / 1.25, 1.25),
+         own_result("docs/theory.md 66, set before the run")},
+        {"in words of 32 bits, rows in [-1, 1), every dense variant survives most runs but conventional and kalman",
+         everywhere(
+             in_unit_interval({"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson",
+                               "ud", "inverse_qr", "information", "qr", "gentleman", "extended_qr", "qr_block"}),
+             "in_32", "survives"),
+         own_result("set after a pilot at the quick budget")},
+        {"conventional and kalman survive in no word in most runs: their antisymmetric error grows as lambda^-k",
+         within(some({"conventional", "kalman"}), by_data, least("fraction"), INFINITY, INFINITY),
+         own_result("docs/theory.md 28, law ii, set before the run")},
+        {"in words of 16 bits, rows in [-1, 1), qr survives most runs at lambda = 0.9",
+         everywhere(in_unit_interval({"qr"}).where("lambda", 0.9), "in_16", "survives"),
+         own_result("set after a pilot at the quick budget")}}};
 
 }  // namespace rlslab::studies

@@ -15,17 +15,6 @@ std::vector<CatalogueEntry> const& fixed_point_filters();
 /// other.
 CatalogueEntry const* rounding_every_operation(std::string_view variant);
 
-/// The same problem in binary64, by the textbook recursion in order: what the words are compared with. Its own error is
-/// measured against the certified solution in every trial.
-struct InDouble {
-    double lambda;
-    Matrix<double> P, M;  ///< M = P^-1
-    Vector<double> theta, f;
-
-    explicit InDouble(Problem<double> const& problem);
-    void take(Records const& records, Index k);
-};
-
 /// Extremes over a run, after every row: the eigenvalues of P; in 1-norms |P|, |P| |P^-1| and |psi|; the largest
 /// |psi_i|.
 struct Extremes {

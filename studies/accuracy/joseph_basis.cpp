@@ -177,9 +177,8 @@ void measure(Trial const& trial, TrialOutput& out) {
                                                                 : Vector<double>(svd.matrixV().col(d - 1));
         Records const data = answered_by(psi, theta, seed);
         CertifiedSolution const exact = certified(problem, data, {rows}, 40).front();
-        auto const error = [](double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; };
         auto const row = [&](std::string const& form, Answer const& a) {
-            out({direction, form, error(exact.covariance_digits(a.stored)), error(exact.theta_digits(a.theta)),
+            out({direction, form, error_of(exact.covariance_digits(a.stored)), error_of(exact.theta_digits(a.theta)),
                  promised});
         };
         for (std::string const form : {"joseph", "joseph_rank_two", "symmetric", "ud"}) {
@@ -198,8 +197,8 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const by_problem{"d", "memory", "spectrum"}, by_basis{"basis", "d", "memory", "spectrum"};
 
 /// Rows of one basis and form, 1e2 <= kappa <= 1e5; P does not depend on theta.
-Table of(Table const& t, std::string const& basis, std::vector<std::string> const& forms) {
-    return t.where("basis", basis).where("form", forms).where("theta", "along v_1");
+Selection of(std::string const& basis, std::vector<std::string> const& forms) {
+    return where("basis", basis).where("form", forms).where("theta", "along v_1");
 }
 /// The median over a seed's rows of (error of one form) / (error of another), paired.
 Statistic ratio(std::string const& measure, std::string const& form, std::string const& other) {
@@ -222,11 +221,7 @@ Statistic slope_of_ratio(std::string const& form, std::string const& other) {
     }};
 }
 /// joseph where the bound, which is of the first order, says something.
-Table bounded(Table const& t) {
-    return t.where("form", "joseph").where("theta", "along v_1").where("bound", [](double bound) {
-        return bound < 0.01;
-    });
-}
+Selection const bounded = where("form", "joseph").where("theta", "along v_1").where("bound", below(0.01));
 Statistic of_bound(bool greatest_of_all) {
     return {[=](Table const& t) {
                 std::vector<double> const error = t.numbers("P"), bounds = t.numbers("bound");
@@ -236,11 +231,21 @@ Statistic of_bound(bool greatest_of_all) {
             },
             greatest_of_all ? Estimate::most : Estimate::middle};
 }
+Judgement falls_with_size(Table const& t) {
+    std::vector<Judgement> parts;
+    for (Cell const& d : t.distinct("d"))
+        parts.push_back(
+            within(t.where("d", d), {"d", "memory"}, slope("kappa", "P"), -0.1, 4 / (std::get<double>(d) - 1) + 0.2));
+    return together(parts);
+}
+Judge beside_ud(std::string const& measure) {
+    return within(where("form", {"whitened joseph", "ud"}), {"basis", "d", "memory", "spectrum", "theta"},
+                  ratio(measure, "whitened joseph", "ud"), 0.1, 10);
+}
 
 }  // namespace
 
-extern Study const joseph_basis;
-Study const joseph_basis{
+extern Study const joseph_basis{
     .name = "joseph_basis",
     .question = "In which basis do Joseph's products lose a condition number more, and what takes it back?",
     .source = "derived (docs/theory.md 113, 114, 119)",
@@ -260,16 +265,12 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
         "geometric singular values, one small, one large; in random directions, or as the units of white columns; "
         "d = 3, 5, 8, 10 or 60 rows a parameter, P0 = kappa^2 I, three directions of theta; 100 seeds: a run of 20 "
         "left seven claims undecided, no band moved",
-    .factors =
-        [](Budget budget) {
-            bool const full = budget == Budget::full;
-            return std::vector<Factor>{{"d", full ? std::vector<Cell>{3.0, 5.0, 8.0} : std::vector<Cell>{3.0}},
-                                       {"memory", full ? std::vector<Cell>{10.0, 60.0} : std::vector<Cell>{10.0}},
-                                       {"spectrum", {"geometric", "one small", "one large"}},
-                                       {"basis", {"rotated", "units"}},
-                                       {"kappa", powers(10, 2, 5, full ? 0.5 : 1)},
-                                       {"replicate", counted(full ? 100 : 11)}};
-        },
+    .factors = {{"d", {3.0, 5.0, 8.0}, {3.0}},
+                {"memory", {10.0, 60.0}, {10.0}},
+                {"spectrum", {"geometric", "one small", "one large"}},
+                {"basis", {"rotated", "units"}},
+                {"kappa", powers(10, 2, 5, 0.5), powers(10, 2, 5)},
+                {"replicate", counted(100), counted(11)}},
     .measures = {"theta", "form", "P", "error_of_theta", "bound"},
     .measure = measure,
     .plots = {{.title = "Error of P, rotated columns",
@@ -288,99 +289,58 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
                .x_label = "condition number of the regressors",
                .y_label = "relative error of P",
                .where = {{"basis", {"units"}}, {"theta", {"along v_1"}}}}},
-    .claims =
-        {
-            {"rotated: joseph's error of P has a slope of 2.3 ... 3.3 in kappa, for each spectrum, d and N",
-             [](Table const& t) {
-                 return within(of(t, "rotated", {"joseph"}), by_problem, slope("kappa", "P"), 2.3, 3.3);
-             },
-             own_result("docs/theory.md 43, 114, before a run")},
-            {"rotated: that is 0.4 ... 1.4 more than symmetric's",
-             [](Table const& t) {
-                 return within(of(t, "rotated", {"joseph", "symmetric"}), by_problem,
-                               slope_of_ratio("joseph", "symmetric"), 0.4, 1.4);
-             },
-             own_result("docs/theory.md 114, 115, before a run")},
-            {"units, geometric: joseph's slope is -0.1 ... 4/(d - 1) + 0.2",
-             [](Table const& t) {
-                 std::vector<Judgement> parts;
-                 Table const rows = of(t, "units", {"joseph"}).where("spectrum", "geometric");
-                 for (Cell const& d : rows.distinct("d"))
-                     parts.push_back(within(rows.where("d", d), {"d", "memory"}, slope("kappa", "P"), -0.1,
-                                            4 / (std::get<double>(d) - 1) + 0.2));
-                 return together(parts);
-             },
-             own_result("docs/theory.md 114, before a run")},
-            {"units, one large: joseph's slope is -0.3 ... 0.3, the prior being spent by one row",
-             [](Table const& t) {
-                 return within(of(t, "units", {"joseph"}).where("spectrum", "one large"), by_problem,
-                               slope("kappa", "P"), -0.3, 0.3);
-             },
-             own_result("docs/theory.md 114, before a run")},
-            {"units, one small: the slope of joseph and of symmetric is 1.6 ... 2.4, that of the prior alone",
-             [](Table const& t) {
-                 return within(of(t, "units", {"joseph", "symmetric"}).where("spectrum", "one small"),
-                               {"form", "d", "memory"}, slope("kappa", "P"), 1.6, 2.4);
-             },
-             own_result("docs/theory.md 41, 114, before a run")},
-            {"scaled by powers of two joseph has the same errors of P and theta in every run",
-             [](Table const& t) {
-                 Statistic const parted([](Table const& of) {
-                     Table const a = of.where("form", "joseph"), b = of.where("form", "joseph scaled by powers of two");
-                     return a.numbers("P") == b.numbers("P") &&
-                                    a.numbers("error_of_theta") == b.numbers("error_of_theta")
-                                ? 0.0
-                                : 1.0;
-                 });
-                 return within(t, {}, parted.as(Estimate::proven), 0, 0);
-             },
-             own_result("docs/theory.md 119, before a run").by("docs/theory.md 119")},
-            {"scaled to columns of length 1 it has them to a factor of 1.5 in the median",
-             [](Table const& t) {
-                 return within(t.where("theta", "along v_1").where("form", {"joseph", "joseph scaled to length 1"}),
-                               by_basis, ratio("P", "joseph scaled to length 1", "joseph"), 1 / 1.5, 1.5);
-             },
-             own_result("docs/theory.md 119, before a run")},
-            {"in the basis of the first 4 d rows the slope of joseph is 0.7 ... 1.3 for rotated columns",
-             [](Table const& t) {
-                 return within(of(t, "rotated", {"whitened joseph"}), by_problem, slope("kappa", "P"), 0.7, 1.3);
-             },
-             own_result("docs/theory.md 119, before a run")},
-            {"and -0.2 ... 0.2 for units of columns",
-             [](Table const& t) {
-                 return within(of(t, "units", {"whitened joseph"}), by_problem, slope("kappa", "P"), -0.2, 0.2);
-             },
-             own_result("docs/theory.md 119, before a run")},
-            {"its error of P and of theta is 0.1 ... 10 times that of ud, for each direction of theta",
-             [](Table const& t) {
-                 Table const rows = t.where("form", {"whitened joseph", "ud"});
-                 std::vector<std::string> const by{"basis", "d", "memory", "spectrum", "theta"};
-                 return labelled("P", within(rows, by, ratio("P", "whitened joseph", "ud"), 0.1, 10)) &&
-                        labelled("theta", within(rows, by, ratio("error_of_theta", "whitened joseph", "ud"), 0.1, 10));
-             },
-             own_result("docs/theory.md 119, before a run")},
-            {"joseph's error stays below the bound of first order where that is below 0.01 (the worst run, of most "
-             "seeds), and is above 1/1000 of it in the median",
-             [](Table const& t) {
-                 return within(bounded(t), by_basis, of_bound(true), 0, 1) &&
-                        within(bounded(t), by_basis, of_bound(false), 1e-3, 1);
-             },
-             own_result("docs/theory.md 114, before a run")},
-            {"units, geometric: joseph's slope is -0.3 ... 2 for every d",
-             [](Table const& t) {
-                 return within(of(t, "units", {"joseph"}).where("spectrum", "geometric"), {"d", "memory"},
-                               slope("kappa", "P"), -0.3, 2);
-             },
-             own_result("docs/theory.md 114, derived anew after the first run")},
-            {"in the basis of the first rows, rotated columns: the slope of joseph is 0.3 ... 1.2",
-             [](Table const& t) {
-                 return within(of(t, "rotated", {"whitened joseph"}), by_problem, slope("kappa", "P"), 0.3, 1.2);
-             },
-             own_result("docs/theory.md 119, after the first run")},
-            {"joseph's error is above 1/10000 of the bound in the median",
-             [](Table const& t) { return within(bounded(t), by_basis, of_bound(false), 1e-4, 1); },
-             own_result("docs/theory.md 114, after the first run")},
-        },
-};
+    .claims = {
+        {"rotated: joseph's error of P has a slope of 2.3 ... 3.3 in kappa, for each spectrum, d and N",
+         within(of("rotated", {"joseph"}), by_problem, slope("kappa", "P"), 2.3, 3.3),
+         own_result("docs/theory.md 43, 114, before a run")},
+        {"rotated: that is 0.4 ... 1.4 more than symmetric's",
+         within(of("rotated", {"joseph", "symmetric"}), by_problem, slope_of_ratio("joseph", "symmetric"), 0.4, 1.4),
+         own_result("docs/theory.md 114, 115, before a run")},
+        {"units, geometric: joseph's slope is -0.1 ... 4/(d - 1) + 0.2",
+         of("units", {"joseph"}).where("spectrum", "geometric").judged(falls_with_size),
+         own_result("docs/theory.md 114, before a run")},
+        {"units, one large: joseph's slope is -0.3 ... 0.3, the prior being spent by one row",
+         within(of("units", {"joseph"}).where("spectrum", "one large"), by_problem, slope("kappa", "P"), -0.3, 0.3),
+         own_result("docs/theory.md 114, before a run")},
+        {"units, one small: the slope of joseph and of symmetric is 1.6 ... 2.4, that of the prior alone",
+         within(of("units", {"joseph", "symmetric"}).where("spectrum", "one small"), {"form", "d", "memory"},
+                slope("kappa", "P"), 1.6, 2.4),
+         own_result("docs/theory.md 41, 114, before a run")},
+        {"scaled by powers of two joseph has the same errors of P and theta in every run",
+         within(all_rows, {}, Statistic([](Table const& of) {
+                                  Table const a = of.where("form", "joseph"),
+                                              b = of.where("form", "joseph scaled by powers of two");
+                                  return a.numbers("P") == b.numbers("P") &&
+                                                 a.numbers("error_of_theta") == b.numbers("error_of_theta")
+                                             ? 0.0
+                                             : 1.0;
+                              }).as(Estimate::proven),
+                0, 0),
+         own_result("docs/theory.md 119, before a run").by("docs/theory.md 119")},
+        {"scaled to columns of length 1 it has them to a factor of 1.5 in the median",
+         within(where("theta", "along v_1").where("form", {"joseph", "joseph scaled to length 1"}), by_basis,
+                ratio("P", "joseph scaled to length 1", "joseph"), 1 / 1.5, 1.5),
+         own_result("docs/theory.md 119, before a run")},
+        {"in the basis of the first 4 d rows the slope of joseph is 0.7 ... 1.3 for rotated columns",
+         within(of("rotated", {"whitened joseph"}), by_problem, slope("kappa", "P"), 0.7, 1.3),
+         own_result("docs/theory.md 119, before a run")},
+        {"and -0.2 ... 0.2 for units of columns",
+         within(of("units", {"whitened joseph"}), by_problem, slope("kappa", "P"), -0.2, 0.2),
+         own_result("docs/theory.md 119, before a run")},
+        {"its error of P and of theta is 0.1 ... 10 times that of ud, for each direction of theta",
+         labelled("P", beside_ud("P")) && labelled("theta", beside_ud("error_of_theta")),
+         own_result("docs/theory.md 119, before a run")},
+        {"joseph's error stays below the bound of first order where that is below 0.01 (the worst run, of most "
+         "seeds), and is above 1/1000 of it in the median",
+         within(bounded, by_basis, of_bound(true), 0, 1) && within(bounded, by_basis, of_bound(false), 1e-3, 1),
+         own_result("docs/theory.md 114, before a run")},
+        {"units, geometric: joseph's slope is -0.3 ... 2 for every d",
+         within(of("units", {"joseph"}).where("spectrum", "geometric"), {"d", "memory"}, slope("kappa", "P"), -0.3, 2),
+         own_result("docs/theory.md 114, derived anew after the first run")},
+        {"in the basis of the first rows, rotated columns: the slope of joseph is 0.3 ... 1.2",
+         within(of("rotated", {"whitened joseph"}), by_problem, slope("kappa", "P"), 0.3, 1.2),
+         own_result("docs/theory.md 119, after the first run")},
+        {"joseph's error is above 1/10000 of the bound in the median",
+         within(bounded, by_basis, of_bound(false), 1e-4, 1), own_result("docs/theory.md 114, after the first run")}}};
 
 }  // namespace rlslab::studies

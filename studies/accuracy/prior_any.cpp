@@ -42,6 +42,13 @@ constexpr Problems list[] = {{"kappa 1e2", 1e2, 1e-6},
                              {"d 10", 1e3, 1e-6, 10},
                              {"N 400", 1e3, 1e-6, 5, 400}};
 
+/// Their names; or without the slowest, which have more than five parameters or 50 rows.
+std::vector<Cell> names(bool all) {
+    std::vector<Cell> out;
+    for (Problems const& p : list)
+        if (all || (p.size <= 5 && p.rows <= 50)) out.emplace_back(std::string(p.name));
+    return out;
+}
 Problems const& named(std::string const& name) { return *std::ranges::find(list, name, &Problems::name); }
 PriorForm form_of(std::string_view variant) { return variant == "joseph" ? PriorForm::products : PriorForm::stored; }
 
@@ -133,16 +140,9 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const stored{"symmetric", "conventional_two_sided"}, products{"joseph"},
     both{"symmetric", "conventional_two_sided", "joseph"};
 
-Table grid(Table const& t, std::vector<std::string> const& variants) {
-    return t.where("prior", "grid").where("variant", variants);
-}
+Selection grid(std::vector<std::string> const& variants) { return where("prior", "grid").where("variant", variants); }
 /// Where the law of the first order is meant to hold.
-Table inside(Table const& t) {
-    return t.where("u_c2_trace", [](double x) { return x <= 1; });
-}
-Table over(Table const& t, std::vector<std::string> const& problems, std::vector<std::string> const& theta) {
-    return t.where("problem", problems).where("theta", theta);
-}
+Selection inside(Selection const& t) { return t.where("u_c2_trace", at_most(1)); }
 
 /// log10 of c^2 and of the error at the bottom of a valley: of the parabola through the least error and its neighbours.
 std::pair<double, double> bottom(Table const& valley) {
@@ -184,10 +184,10 @@ struct Regime {
     std::vector<std::string> in_kappa, in_noise, theta;
     Exponents to;
 };
-Judgement follows(Table const& t, Regime const& regime, bool pooled = false) {
+Judge follows(Regime const& regime, bool pooled = false) {
     auto const of = [&](char const* label, std::vector<std::string> const& problems, double Problems::*x, bool error,
                         double exponent) {
-        Table const rows = over(grid(t, stored), problems, regime.theta);
+        Selection const rows = grid(stored).where("problem", problems).where("theta", regime.theta);
         std::vector<std::string> const by{"variant", "spectrum", "basis", "theta"};
         return labelled(
             label, pooled ? within(rows, {"variant"}, mean_slope_of_bottom(x, error), exponent - 0.15, exponent + 0.15)
@@ -229,7 +229,7 @@ Statistic const share_of_losses({[](Table const& t) {
                                      double n = 0, yes = 0;
                                      for (auto const& [name, valley] : t.groups(each)) {
                                          double const least = least_on_grid(valley);
-                                         Table const rows = inside(valley);
+                                         Table const rows = inside(all_rows)(valley);
                                          std::vector<double> const total = rows.numbers("total"),
                                                                    loss = rows.numbers("loss");
                                          for (size_t i = 0; i < total.size(); ++i)
@@ -252,13 +252,13 @@ Regime const of_the_last_direction{
 bool a_large_prior_costs_nothing(Table const& valley) {
     return valley.numbers("total").back() <= half_a_digit * least_on_grid(valley);
 }
-Table in_word(Table const& t, std::string_view word) {
+Selection in_word(std::string_view word, std::vector<std::string> const& variants) {
     std::vector<std::string> problems;
     for (Problems const& p : list)
         if (p.word == word) problems.emplace_back(p.name);
-    return t.where("problem", problems);
+    return where("problem", problems).where("variant", variants);
 }
-Table ud_in_double(Table const& t) { return grid(in_word(t, "double"), {"ud"}); }
+Selection const ud_in_double = in_word("double", {"ud"}).where("prior", "grid");
 /// Digits by which the proposed prior is nearer to least squares than compare's, the median of valleys.
 Statistic const gain([](Table const& t) {
     std::vector<double> digits;
@@ -270,8 +270,7 @@ constexpr char const* seen = "docs/theory.md 104 to 106; the same problems taken
 
 }  // namespace
 
-extern Study const prior_any;
-Study const prior_any{
+extern Study const prior_any{
     .name = "prior_any",
     .question = "Which prior variance c^2 is best for these records, whatever theta, spectrum and basis?",
     .source = "derived (docs/theory.md 104 to 106)",
@@ -296,17 +295,11 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
         "units); theta of length 1 along v_1, along v_d, drawn; d = 3, 5, 10, N = 50 and 400, kappa = 10 to 1e5, noise "
         "1e-9 to 1e-2, double and float; 24 seeds, after a run of 12 had "
         "left the claims undecided",
-    .factors =
-        [](Budget budget) {
-            std::vector<Cell> problems;
-            for (Problems const& p : list)  // quick: without the two slowest
-                if (budget == Budget::full || (p.size <= 5 && p.rows <= 50)) problems.emplace_back(std::string(p.name));
-            return std::vector<Factor>{{"problem", problems},
-                                       {"spectrum", {"geometric", "one small", "one large"}},
-                                       {"basis", {"rotated", "units"}},
-                                       {"theta", {"along v_1", "along v_d", "drawn"}},
-                                       {"replicate", counted(budget == Budget::full ? 24 : 1)}};
-        },
+    .factors = {{"problem", names(true), names(false)},
+                {"spectrum", {"geometric", "one small", "one large"}},
+                {"basis", {"rotated", "units"}},
+                {"theta", {"along v_1", "along v_d", "drawn"}},
+                {"replicate", counted(24), counted(1)}},
     .measures = {"variant", "prior", "c2", "u_c2_trace", "bias", "expected", "rounding", "total", "loss"},
     .measure = measure,
     .plots = {{.title = "Error of theta against least squares, theta drawn, geometric, rotated",
@@ -320,91 +313,67 @@ s_j = A_j'r_j - c^{-2}\theta_N \end{aligned})tex",
                          {"spectrum", {"geometric"}},
                          {"basis", {"rotated"}},
                          {"problem", {"kappa 1e2", "kappa 1e4", "float"}}}}},
-    .claims =
-        {
-            {"P stored: the rounding over its prediction from the records, no constant fitted, is in the median 1 to a "
-             "factor of 3 where u c^2 tr M <= 1",
-             [](Table const& t) { return within(inside(grid(t, stored)), each, of_law, 1.0 / 3, 3); },
-             own_result("docs/theory.md 105, set before the run")},
-            {"Joseph's products: likewise, with the size of I - K psi' in the prediction",
-             [](Table const& t) { return within(inside(grid(t, products)), each, of_law, 1.0 / 3, 3); },
-             own_result("docs/theory.md 105, set before the run")},
-            {"theta drawn or along v_d, noise times kappa up to 0.1: the best c^2 goes with kappa^(1/2) and "
-             "noise^(-1/2), its error with kappa^(3/2) and noise^(1/2), each to 0.15",
-             [](Table const& t) { return follows(t, of_the_last_direction); },
-             own_result("docs/theory.md 104, set before the run")},
-            {"theta along v_1, noise times kappa^3 from 1e3 on: with kappa^1 and noise^0, its error with kappa^2 and "
-             "noise^1, each to 0.15",
-             [](Table const& t) { return follows(t, of_the_noise); },
-             own_result("docs/theory.md 104, set before the run")},
-            {"theta along v_1, noise times kappa^3 up to 1e-3: with kappa^(-1/2) and noise^(-1/2), its error with "
-             "kappa^(1/2) and noise^(1/2), each to 0.15",
-             [](Table const& t) { return follows(t, of_the_first_direction); },
-             own_result("docs/theory.md 104, set before the run")},
-            {"the prior estimated from the records is within half a digit of the best on a grid of decades in nine "
-             "tenths of the problems",
-             [](Table const& t) {
-                 return within(t.where("variant", both), {"variant"}, share_of_valleys(estimate_is_near), 0.9, 1);
-             },
-             own_result("docs/theory.md 106, set before the run")},
-            {"the loss predicted for a given prior is within half a digit of the measured one at nine tenths of the "
-             "priors with u c^2 tr M <= 1",
-             [](Table const& t) { return within(grid(t, both), {"variant"}, share_of_losses, 0.9, 1); },
-             own_result("docs/theory.md 106, set before the run")},
-            {"estimated in the units of the columns it leaves no larger error against least squares than the prior "
-             "that compare measures with, in nine tenths of the problems",
-             [](Table const& t) {
-                 return within(t.where("variant", both), {"variant"}, share_of_valleys(proposal_is_no_worse), 0.9, 1);
-             },
-             own_result("docs/theory.md 106, set before the run")},
-            {"ud, double: no best c^2 but a least one; at c^2 = 1e18 the error is within half a digit of the least of "
-             "the grid in nine tenths of the problems",
-             [](Table const& t) {
-                 return within(ud_in_double(t), {}, share_of_valleys(a_large_prior_costs_nothing), 0.9, 1);
-             },
-             own_result("docs/theory.md 44, 106, set before the run")},
-            {"together: the rounding over its prediction is in the median 1 to a factor of 3 in each problem, and to "
-             "one of 1.5 over all",
-             [](Table const& t) {
-                 Table const rows = inside(grid(t, both));
-                 return labelled("each", within(rows, {"variant", "problem"}, of_law, 1.0 / 3, 3)) &&
-                        labelled("all", within(rows, {"variant"}, of_law, 1 / 1.5, 1.5));
-             },
-             own_result(seen)},
-            {"together, theta drawn or along v_d: the exponents 1/2, 3/2, -1/2 and 1/2, each to 0.15",
-             [](Table const& t) { return follows(t, of_the_last_direction, true); }, own_result(seen)},
-            {"together, theta along v_1, noise times kappa^3 from 1e3 on: the exponents 1, 2, 0 and 1, each to 0.15",
-             [](Table const& t) { return follows(t, of_the_noise, true); }, own_result(seen)},
-            {"together, theta along v_1, noise times kappa^3 up to 1e-3: the exponents -1/2, 1/2, -1/2 and 1/2, each "
-             "to 0.15",
-             [](Table const& t) { return follows(t, of_the_first_direction, true); }, own_result(seen)},
-            {"shares as means of averages: the estimated prior is within half a digit of the best in 85 % of the "
-             "problems, and the predicted loss of a given one in 80 %",
-             [](Table const& t) {
-                 return labelled("prior", within(t.where("variant", both), {"variant"},
-                                                 share_of_valleys(estimate_is_near, Estimate::mean), 0.85, 1)) &&
-                        labelled("loss",
-                                 within(grid(t, both), {"variant"}, share_of_losses.as(Estimate::mean), 0.8, 1));
-             },
-             own_result(seen)},
-            {"likewise, the prior in the columns' units leaves no larger error than compare's in nine tenths of the "
-             "problems, and ud loses less than half a digit at c^2 = 1e18 in nine tenths",
-             [](Table const& t) {
-                 return labelled("units", within(t.where("variant", both), {"variant"},
-                                                 share_of_valleys(proposal_is_no_worse, Estimate::mean), 0.9, 1)) &&
-                        labelled("ud", within(ud_in_double(t), {},
-                                              share_of_valleys(a_large_prior_costs_nothing, Estimate::mean), 0.9, 1));
-             },
-             own_result(seen)},
-            {"it is nearer to least squares than compare's by a digit or more in each problem in double, and neither "
-             "is by half a digit in float (medians)",
-             [](Table const& t) {
-                 Table const rows = t.where("variant", both);
-                 return labelled("double", within(in_word(rows, "double"), {"problem"}, gain, 1, INFINITY)) &&
-                        labelled("float", within(in_word(rows, "float"), {"problem"}, gain, -0.5, 0.5));
-             },
-             own_result(seen)},
-        },
-};
+    .claims = {
+        {"P stored: the rounding over its prediction from the records, no constant fitted, is in the median 1 to a "
+         "factor of 3 where u c^2 tr M <= 1",
+         within(inside(grid(stored)), each, of_law, 1.0 / 3, 3), own_result("docs/theory.md 105, set before the run")},
+        {"Joseph's products: likewise, with the size of I - K psi' in the prediction",
+         within(inside(grid(products)), each, of_law, 1.0 / 3, 3),
+         own_result("docs/theory.md 105, set before the run")},
+        {"theta drawn or along v_d, noise times kappa up to 0.1: the best c^2 goes with kappa^(1/2) and "
+         "noise^(-1/2), its error with kappa^(3/2) and noise^(1/2), each to 0.15",
+         follows(of_the_last_direction), own_result("docs/theory.md 104, set before the run")},
+        {"theta along v_1, noise times kappa^3 from 1e3 on: with kappa^1 and noise^0, its error with kappa^2 and "
+         "noise^1, each to 0.15",
+         follows(of_the_noise), own_result("docs/theory.md 104, set before the run")},
+        {"theta along v_1, noise times kappa^3 up to 1e-3: with kappa^(-1/2) and noise^(-1/2), its error with "
+         "kappa^(1/2) and noise^(1/2), each to 0.15",
+         follows(of_the_first_direction), own_result("docs/theory.md 104, set before the run")},
+        {"the prior estimated from the records is within half a digit of the best on a grid of decades in nine "
+         "tenths of the problems",
+         within(where("variant", both), {"variant"}, share_of_valleys(estimate_is_near), 0.9, 1),
+         own_result("docs/theory.md 106, set before the run")},
+        {"the loss predicted for a given prior is within half a digit of the measured one at nine tenths of the "
+         "priors with u c^2 tr M <= 1",
+         within(grid(both), {"variant"}, share_of_losses, 0.9, 1),
+         own_result("docs/theory.md 106, set before the run")},
+        {"estimated in the units of the columns it leaves no larger error against least squares than the prior "
+         "that compare measures with, in nine tenths of the problems",
+         within(where("variant", both), {"variant"}, share_of_valleys(proposal_is_no_worse), 0.9, 1),
+         own_result("docs/theory.md 106, set before the run")},
+        {"ud, double: no best c^2 but a least one; at c^2 = 1e18 the error is within half a digit of the least of "
+         "the grid in nine tenths of the problems",
+         within(ud_in_double, {}, share_of_valleys(a_large_prior_costs_nothing), 0.9, 1),
+         own_result("docs/theory.md 44, 106, set before the run")},
+        {"together: the rounding over its prediction is in the median 1 to a factor of 3 in each problem, and to "
+         "one of 1.5 over all",
+         labelled("each", within(inside(grid(both)), {"variant", "problem"}, of_law, 1.0 / 3, 3)) &&
+             labelled("all", within(inside(grid(both)), {"variant"}, of_law, 1 / 1.5, 1.5)),
+         own_result(seen)},
+        {"together, theta drawn or along v_d: the exponents 1/2, 3/2, -1/2 and 1/2, each to 0.15",
+         follows(of_the_last_direction, true), own_result(seen)},
+        {"together, theta along v_1, noise times kappa^3 from 1e3 on: the exponents 1, 2, 0 and 1, each to 0.15",
+         follows(of_the_noise, true), own_result(seen)},
+        {"together, theta along v_1, noise times kappa^3 up to 1e-3: the exponents -1/2, 1/2, -1/2 and 1/2, each "
+         "to 0.15",
+         follows(of_the_first_direction, true), own_result(seen)},
+        {"shares as means of averages: the estimated prior is within half a digit of the best in 85 % of the "
+         "problems, and the predicted loss of a given one in 80 %",
+         labelled("prior", within(where("variant", both), {"variant"},
+                                  share_of_valleys(estimate_is_near, Estimate::mean), 0.85, 1)) &&
+             labelled("loss", within(grid(both), {"variant"}, share_of_losses.as(Estimate::mean), 0.8, 1)),
+         own_result(seen)},
+        {"likewise, the prior in the columns' units leaves no larger error than compare's in nine tenths of the "
+         "problems, and ud loses less than half a digit at c^2 = 1e18 in nine tenths",
+         labelled("units", within(where("variant", both), {"variant"},
+                                  share_of_valleys(proposal_is_no_worse, Estimate::mean), 0.9, 1)) &&
+             labelled("ud",
+                      within(ud_in_double, {}, share_of_valleys(a_large_prior_costs_nothing, Estimate::mean), 0.9, 1)),
+         own_result(seen)},
+        {"it is nearer to least squares than compare's by a digit or more in each problem in double, and neither "
+         "is by half a digit in float (medians)",
+         labelled("double", within(in_word("double", both), {"problem"}, gain, 1, INFINITY)) &&
+             labelled("float", within(in_word("float", both), {"problem"}, gain, -0.5, 0.5)),
+         own_result(seen)}}};
 
 }  // namespace rlslab::studies

@@ -84,27 +84,27 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const rooted = words(triangular_forms()), rotations{"qr", "gentleman"};
 std::vector<std::string> const by{"variant", "spectrum"};
 
-Table some(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants); }
+Selection some(std::vector<std::string> const& variants) { return where("variant", variants); }
 /// Bounds are wider, because powers are computed.
-Table between(Table const& t, char const* column, double from, double to) {
-    return t.where(column, [=](double x) { return from / 1.01 <= x && x <= to * 1.01; });
-}
-/// error of one form over that of another on the same data, geometric mean of a seed's rows.
-Judgement against(Table const& t, std::string const& variant, std::string const& other, double from, double to) {
+std::function<bool(double)> about(double from, double to) { return between(from / 1.01, to * 1.01); }
+/// error of one form over that of qr on the same data, geometric mean of a seed's rows.
+Judge against_qr(std::string const& variant, Selection const& rows = all_rows) {
     Statistic const ratio([=](Table const& r) {
         std::vector<double> const a = r.where("variant", variant).numbers("error"),
-                                  b = r.where("variant", other).numbers("error");
+                                  b = r.where("variant", "qr").numbers("error");
         double sum = 0;
         for (size_t i = 0; i < a.size(); ++i) sum += correctly::log10(a[i] / b[i]) / double(a.size());
         return a.empty() || a.size() != b.size() ? std::nan("") : correctly::pow(10, sum);
     });
-    return within(t, {"spectrum"}, ratio, from, to);
+    return within(rows, {"spectrum"}, ratio, 1.0 / 3, 3);
+}
+Judge slope_in(char const* x, Selection const& rows, double from, double to) {
+    return within(rows, by, slope(x, "error"), from, to);
 }
 
 }  // namespace
 
-extern Study const residual_size;
-Study const residual_size{
+extern Study const residual_size{
     .name = "residual_size",
     .question = "Which variants inherit the factor kappa^2 ||r|| of least squares, on data that are not integers?",
     .source = "derived (docs/theory.md 49, 73); docs/literature.md 5, question 7",
@@ -124,13 +124,10 @@ Study const residual_size{
         "d = 6, N = 60: geometric singular values, one small, one large; kappa = 1e2 to 1e5; residuals orthogonal to "
         "the columns, of length 1e-7 to 1; 100 seeds: raised to 200 after a run left three undecided, that run was "
         "stopped, and set back",
-    .factors =
-        [](Budget budget) {
-            return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
-                                       {"kappa", powers(10, 2, 5)},
-                                       {"rho", powers(10, -7, 0)},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 11)}};
-        },
+    .factors = {{"spectrum", {"geometric", "one small", "one large"}},
+                {"kappa", powers(10, 2, 5)},
+                {"rho", powers(10, -7, 0)},
+                {"replicate", counted(100), counted(11)}},
     .measures = {"variant", "error", "of_law"},
     .measure = measure,
     .plots = {{.title = "Error of theta, condition 1e4",
@@ -147,62 +144,42 @@ Study const residual_size{
                .x_label = "condition number",
                .y_label = "relative error of theta",
                .where = {{"rho", {"1"}}}}},
-    .claims =
-        {
-            {"triangular, UD, QR forms: slope 0.0 +- 0.1 in ||r|| from 1e-7 to 1e-4 with kappa = 100, 1.0 +- 0.1 from "
-             "1e-3 to 1 with 1e5",
-             [](Table const& t) {
-                 Table const rows = some(t, rooted);
-                 Statistic const in_r = slope("rho", "error");
-                 return labelled("small",
-                                 within(between(rows.where("kappa", 1e2), "rho", 1e-7, 1e-4), by, in_r, -0.1, 0.1)) &&
-                        labelled("large",
-                                 within(between(between(rows, "kappa", 1e5, 1e5), "rho", 1e-3, 1), by, in_r, 0.9, 1.1));
-             },
-             own_result("docs/theory.md 49, 73; set before the run")},
-            {"the same forms: slope 1.0 +- 0.1 in kappa with ||r|| = 1e-7, 2.0 +- 0.1 with ||r|| = 1",
-             [](Table const& t) {
-                 Table const rows = some(t, rooted);
-                 return labelled("small",
-                                 within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 0.9, 1.1)) &&
-                        labelled("large", within(between(rows, "rho", 1, 1), by, slope("kappa", "error"), 1.9, 2.1));
-             },
-             own_result("docs/theory.md 49, 73; set before the run")},
-            {"qr, gentleman: the law's constant c, as a root mean square, is 1.3 to 3.0 as on NIST's sets, or 1.25 "
-             "times beyond, at every kappa and ||r||",
-             [](Table const& t) {
-                 return within(some(t, rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"),
-                               1.3 / 1.25, 3.75);
-             },
-             own_result("docs/theory.md 73 with the constant measured on NIST's sets; set before the run")},
-            {"carlson, ud, inverse_qr: errors are those of qr on the same rows to a factor of 3",
-             [](Table const& t) {
-                 return labelled("carlson", against(t, "carlson", "qr", 1.0 / 3, 3)) &&
-                        labelled("ud", against(t, "ud", "qr", 1.0 / 3, 3)) &&
-                        labelled("inverse_qr", against(t, "inverse_qr", "qr", 1.0 / 3, 3));
-             },
-             own_result("an order-of-magnitude law to a factor of 3; set before the run")},
-            {"information: slope 2.0 +- 0.1 in kappa already with ||r|| = 1e-7, and 0.0 +- 0.1 in ||r|| up to 0.01 "
-             "with kappa = 1e4",
-             [](Table const& t) {
-                 Table const rows = some(t, {"information"});
-                 return labelled("kappa",
-                                 within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 1.9, 2.1)) &&
-                        labelled("||r||", within(between(between(rows, "kappa", 1e4, 1e4), "rho", 1e-7, 1e-2), by,
-                                                 slope("rho", "error"), -0.1, 0.1));
-             },
-             own_result("docs/theory.md 50, 73; set before the run")},
-            {"with ||r|| = 1 the advantage of qr is gone: the information form's error is qr's to a factor of 3",
-             [](Table const& t) { return against(between(t, "rho", 1, 1), "information", "qr", 1.0 / 3, 3); },
-             own_result("docs/theory.md 73, an order-of-magnitude law to a factor of 3; set before the run")},
-            {"symmetric, c^2 = 1e12: slope 1.0 +- 0.1 in ||r|| over five decades, 1e-5 to 1, with kappa = 1e4: through "
-             "the prior",
-             [](Table const& t) {
-                 return within(between(between(some(t, {"symmetric"}), "kappa", 1e4, 1e4), "rho", 1e-5, 1),
-                               {"spectrum"}, slope("rho", "error"), 0.9, 1.1);
-             },
-             own_result("docs/theory.md 72; set before the run")},
-        },
-};
+    .claims = {
+        {"triangular, UD, QR forms: slope 0.0 +- 0.1 in ||r|| from 1e-7 to 1e-4 with kappa = 100, 1.0 +- 0.1 from "
+         "1e-3 to 1 with 1e5",
+         labelled("small",
+                  slope_in("rho", some(rooted).where("kappa", 1e2).where("rho", about(1e-7, 1e-4)), -0.1, 0.1)) &&
+             labelled(
+                 "large",
+                 slope_in("rho", some(rooted).where("kappa", about(1e5, 1e5)).where("rho", about(1e-3, 1)), 0.9, 1.1)),
+         own_result("docs/theory.md 49, 73; set before the run")},
+        {"the same forms: slope 1.0 +- 0.1 in kappa with ||r|| = 1e-7, 2.0 +- 0.1 with ||r|| = 1",
+         labelled("small", slope_in("kappa", some(rooted).where("rho", about(1e-7, 1e-7)), 0.9, 1.1)) &&
+             labelled("large", slope_in("kappa", some(rooted).where("rho", about(1, 1)), 1.9, 2.1)),
+         own_result("docs/theory.md 49, 73; set before the run")},
+        {"qr, gentleman: the law's constant c, as a root mean square, is 1.3 to 3.0 as on NIST's sets, or 1.25 "
+         "times beyond, at every kappa and ||r||",
+         within(some(rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"), 1.3 / 1.25, 3.75),
+         own_result("docs/theory.md 73 with the constant measured on NIST's sets; set before the run")},
+        {"carlson, ud, inverse_qr: errors are those of qr on the same rows to a factor of 3",
+         labelled("carlson", against_qr("carlson")) && labelled("ud", against_qr("ud")) &&
+             labelled("inverse_qr", against_qr("inverse_qr")),
+         own_result("an order-of-magnitude law to a factor of 3; set before the run")},
+        {"information: slope 2.0 +- 0.1 in kappa already with ||r|| = 1e-7, and 0.0 +- 0.1 in ||r|| up to 0.01 "
+         "with kappa = 1e4",
+         labelled("kappa", slope_in("kappa", some({"information"}).where("rho", about(1e-7, 1e-7)), 1.9, 2.1)) &&
+             labelled(
+                 "||r||",
+                 slope_in("rho", some({"information"}).where("kappa", about(1e4, 1e4)).where("rho", about(1e-7, 1e-2)),
+                          -0.1, 0.1)),
+         own_result("docs/theory.md 50, 73; set before the run")},
+        {"with ||r|| = 1 the advantage of qr is gone: the information form's error is qr's to a factor of 3",
+         against_qr("information", where("rho", about(1, 1))),
+         own_result("docs/theory.md 73, an order-of-magnitude law to a factor of 3; set before the run")},
+        {"symmetric, c^2 = 1e12: slope 1.0 +- 0.1 in ||r|| over five decades, 1e-5 to 1, with kappa = 1e4: through "
+         "the prior",
+         within(some({"symmetric"}).where("kappa", about(1e4, 1e4)).where("rho", about(1e-5, 1)), {"spectrum"},
+                slope("rho", "error"), 0.9, 1.1),
+         own_result("docs/theory.md 72; set before the run")}}};
 
 }  // namespace rlslab::studies

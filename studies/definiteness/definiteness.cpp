@@ -67,7 +67,8 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 /// The last row of each curve: the outcome of all runs.
-Table ends(Table const& t) { return t.where("step", double(horizon)); }
+Selection const ends = where("step", double(horizon)), at_4 = ends.where("hardness", 4.0),
+                easy_in_double = ends.where("hardness", 0x1p-6).where("arithmetic", "double");
 
 /// The median first step of one variant over another's, and where it lies: by order statistics of both, to a risk of
 /// 0.001.
@@ -81,23 +82,22 @@ Ratio ratio_of(Table const& t, std::string const& a, std::string const& b) {
             {std::max(0.0, A.number("first_low")) / B.number("first_high"),
              A.number("first_high") / std::max(0.0, B.number("first_low"))}};
 }
-Judgement ratio(Table const& t, std::string const& a, std::string const& b, double from, double to) {
-    std::vector<Judgement> all;
-    for (auto const& [name, rows] : ends(t).groups({"arithmetic"})) {
-        auto const [x, interval] = ratio_of(rows, a, b);
-        Interval const band{from, to};
-        all.emplace_back(interval.inside(band)    ? Verdict::holds
-                         : interval.outside(band) ? Verdict::fails
-                                                  : Verdict::undecided,
-                         fmt::format("{:.2g} [{:.2g}, {:.2g}] ({})", x, interval.low, interval.high, name), claim_risk);
-    }
-    return together(all);
+Judge ratio(std::string const& a, double from, double to) {
+    return at_4.judged([=](Table const& t) {
+        std::vector<Judgement> all;
+        for (auto const& [name, rows] : t.groups({"arithmetic"})) {
+            auto const [x, interval] = ratio_of(rows, a, "symmetric");
+            std::string const said = fmt::format("{:.2g} [{:.2g}, {:.2g}] ({})", x, interval.low, interval.high, name);
+            all.emplace_back(verdict_of(interval, {from, to}), said, claim_risk);
+        }
+        return together(all);
+    });
 }
 /// joseph's median step over symmetric's falls with the length of the word: in these two it lies below that in those
 /// two.
 Judgement earlier_in_longer_words(Table const& t) {
     auto const in = [&](char const* arithmetic) {
-        return ratio_of(ends(t).where("arithmetic", arithmetic), "joseph", "symmetric");
+        return ratio_of(t.where("arithmetic", arithmetic), "joseph", "symmetric");
     };
     Ratio const short_words[]{in("bfloat16"), in("binary16")}, long_words[]{in("float"), in("double")};
     bool below = true, above = false;
@@ -114,13 +114,16 @@ Judgement earlier_in_longer_words(Table const& t) {
             4 * claim_risk};
 }
 /// More than half of all runs do what `share` of those of a row did.
-Judgement most(Table const& t, std::string const& share) {
-    std::vector<Judgement> all;
-    for (auto const& [name, row] : t.groups({"arithmetic", "hardness", "variant"})) {
-        double const runs = row.number("runs");
-        all.push_back(labelled(name, proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1)));
-    }
-    return together(all);
+Judge most(Selection const& rows, std::string const& share) {
+    return rows.judged([=](Table const& t) {
+        std::vector<Judgement> all;
+        for (auto const& [name, row] : t.groups({"arithmetic", "hardness", "variant"})) {
+            double const runs = row.number("runs");
+            all.push_back(
+                labelled(name, proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1)));
+        }
+        return together(all);
+    });
 }
 /// The step at which the antisymmetric rounding error has grown to 1: ln(1/u) / -ln lambda.
 double antisymmetric_law(Table const& rows) {
@@ -131,8 +134,7 @@ double antisymmetric_law(Table const& rows) {
 
 }  // namespace
 
-extern Study const definiteness;
-Study const definiteness{
+extern Study const definiteness{
     .name = "definiteness",
     .question = "Which stored covariances stop being positive definite, and when?",
     .source =
@@ -152,12 +154,9 @@ Study const definiteness{
         "double it fails within steps where the symmetric form lasts to the end. Its expansion to O(d^2) does not form "
         "that product and fails when symmetric does.",
     .data = "graded rows, d = 4, lambda = 0.99",
-    .factors =
-        [](Budget) {
-            return std::vector<Factor>{{"arithmetic", {"bfloat16", "binary16", "float", "double"}},
-                                       {"hardness", {0x1p-6, 0.25, 4.0}},
-                                       {"variant", row_forms()}};
-        },
+    .factors = {{"arithmetic", {"bfloat16", "binary16", "float", "double"}},
+                {"hardness", {0x1p-6, 0.25, 4.0}},
+                {"variant", row_forms()}},
     .measures = {"step", "definite", "first", "earliest", "latest", "indefinite", "nonfinite", "first_low",
                  "first_high", "runs"},
     .measure = measure,
@@ -175,64 +174,41 @@ Study const definiteness{
                .log = "x",
                .y_label = "fraction still definite",
                .where = {{"arithmetic", {"double"}}}}},
-    .claims =
-        {
-            {"triangular, UD and QR forms (carlson, ud, inverse_qr, qr, gentleman, extended_qr) stay definite and "
-             "finite through most runs in every arithmetic, up to kappa_P = 4/u",
-             [](Table const& t) {
-                 return most(
-                     ends(t).where("variant", {"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}),
-                     "definite");
-             },
-             own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
-            {"potter's full root does so too",
-             [](Table const& t) { return most(ends(t).where("variant", "potter"), "definite"); },
-             own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
-            {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln "
-             "lambda at the latest, within 10 %",
-             [](Table const& t) {
-                 Statistic const of_law(
-                     [](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); });
-                 return within(ends(t).where("variant", "conventional"), {"arithmetic", "hardness"}, of_law, 0, 1.1);
-             },
-             own_result("docs/theory.md 37")},
-            {"at kappa_P = 4/u every other covariance form and information lose it in at least half of the runs, in "
-             "every arithmetic",
-             [](Table const& t) {
-                 std::vector<std::string> const forms{"conventional_two_sided", "symmetric", "joseph",
-                                                      "joseph_rank_two", "information"};
-                 return most(ends(t).where("hardness", 4.0).where("variant", forms), "indefinite");
-             },
-             own_result("first edition, set after its run")},
-            {"Joseph's broken promise: at kappa_P = 4/u joseph is indefinite in most runs, in the median no later than "
-             "symmetric",
-             [](Table const& t) {
-                 Table const here = t.where("hardness", 4.0);
-                 Judgement const all = most(ends(here).where("variant", "joseph"), "indefinite");
-                 Judgement const earlier = ratio(here, "joseph", "symmetric", 0, 1);
-                 return all && earlier;
-             },
-             own_result("set before the run: no later")},
-            {"the longer the word, the earlier by comparison: at kappa_P = 4/u joseph's median step is a smaller part "
-             "of symmetric's in float and double than in bfloat16 and binary16",
-             [](Table const& t) { return earlier_in_longer_words(t.where("hardness", 4.0)); },
-             own_result("set before the run: a smaller part")},
-            {"in double at kappa_P = 1/(64u) joseph is indefinite in most runs, symmetric and joseph_rank_two are "
-             "definite in most, through all 6000 steps",
-             [](Table const& t) {
-                 Table const here = ends(t).where("hardness", 0x1p-6).where("arithmetic", "double");
-                 return most(here.where("variant", "joseph"), "indefinite") &&
-                        most(here.where("variant", {"symmetric", "joseph_rank_two"}), "definite");
-             },
-             own_result("set before the run: all or none; restated for most runs, as an interval shows no more")},
-            {"the expansion joseph_rank_two breaks its promise too, but when symmetric does: median steps at kappa_P = "
-             "4/u within a factor of 4",
-             [](Table const& t) { return ratio(t.where("hardness", 4.0), "joseph_rank_two", "symmetric", 0.25, 4); },
-             own_result("first edition, set after its run")},
-            {"nothing breaks down by overflow in these runs",
-             [](Table const& t) { return within(ends(t), {"arithmetic"}, greatest("nonfinite"), 0, 0); },
-             own_result("first edition, set after its run")},
-        },
-};
+    .claims = {
+        {"triangular, UD and QR forms (carlson, ud, inverse_qr, qr, gentleman, extended_qr) stay definite and "
+         "finite through most runs in every arithmetic, up to kappa_P = 4/u",
+         most(ends.where("variant", {"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}), "definite"),
+         own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
+        {"potter's full root does so too", most(ends.where("variant", "potter"), "definite"),
+         own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
+        {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln "
+         "lambda at the latest, within 10 %",
+         within(ends.where("variant", "conventional"), {"arithmetic", "hardness"},
+                Statistic([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); }), 0,
+                1.1),
+         own_result("docs/theory.md 37")},
+        {"at kappa_P = 4/u every other covariance form and information lose it in at least half of the runs, in "
+         "every arithmetic",
+         most(
+             at_4.where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "information"}),
+             "indefinite"),
+         own_result("first edition, set after its run")},
+        {"Joseph's broken promise: at kappa_P = 4/u joseph is indefinite in most runs, in the median no later than "
+         "symmetric",
+         most(at_4.where("variant", "joseph"), "indefinite") && ratio("joseph", 0, 1),
+         own_result("set before the run: no later")},
+        {"the longer the word, the earlier by comparison: at kappa_P = 4/u joseph's median step is a smaller part "
+         "of symmetric's in float and double than in bfloat16 and binary16",
+         at_4.judged(earlier_in_longer_words), own_result("set before the run: a smaller part")},
+        {"in double at kappa_P = 1/(64u) joseph is indefinite in most runs, symmetric and joseph_rank_two are "
+         "definite in most, through all 6000 steps",
+         most(easy_in_double.where("variant", "joseph"), "indefinite") &&
+             most(easy_in_double.where("variant", {"symmetric", "joseph_rank_two"}), "definite"),
+         own_result("set before the run: all or none; restated for most runs, as an interval shows no more")},
+        {"the expansion joseph_rank_two breaks its promise too, but when symmetric does: median steps at kappa_P = "
+         "4/u within a factor of 4",
+         ratio("joseph_rank_two", 0.25, 4), own_result("first edition, set after its run")},
+        {"nothing breaks down by overflow in these runs", within(ends, {"arithmetic"}, greatest("nonfinite"), 0, 0),
+         own_result("first edition, set after its run")}}};
 
 }  // namespace rlslab::studies

@@ -1,12 +1,13 @@
 // The hazard per step of losing definiteness: to nearest, stochastically, and with few random bits.
 // Longer than 150 lines: the hazard's interval stands here, and seven claims use it.
-#include "studies/definiteness/random_filters.hpp"
+#include "studies/definiteness/random_rounding.hpp"
 #include <rlslab/studies/judgements.hpp>
-#include <rlslab/studies/interval.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/catalogue/erase.hpp>
 #include <rlslab/reference/definiteness.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <fmt/format.h>
 
@@ -18,43 +19,21 @@ namespace {
 
 constexpr Index size = 3, look = 20;
 
-/// The largest eigenvalue of a symmetric A > 0 by the power method; too small by a few per cent where two are close.
-double largest_eigenvalue(Matrix<double> const& A) {
-    double x[size] = {1.25, 1, 1}, value = 0;
-    for (int n = 0; n < 40; ++n) {
-        double y[size], squares = 0, along = 0;
-        for (Index i = 0; i < size; ++i) {
-            y[i] = 0;
-            for (Index j = 0; j < size; ++j) y[i] += A(i, j) * x[j];
-            squares += x[i] * x[i];
-            along += x[i] * y[i];
-        }
-        value = along / squares;
-        double const length = std::sqrt(squares) * value;
-        for (Index i = 0; i < size; ++i) x[i] = y[i] / length;
-    }
-    return value;
+/// With the rounding of the calling thread's RandomRoundingScope while the filter is made and fed.
+CatalogueEntry const& randomly_rounded(std::string_view variant) {
+    using T = RandomlyRounded;
+    static Arithmetic const arithmetic = arithmetic_of<T>();
+    static std::vector<CatalogueEntry> const entries{untimed_entry_of<Symmetric<T>>(&arithmetic),
+                                                     untimed_entry_of<Joseph<T>>(&arithmetic),
+                                                     untimed_entry_of<JosephRankTwo<T>>(&arithmetic),
+                                                     untimed_entry_of<Ud<T>>(&arithmetic),
+                                                     untimed_entry_of<Carlson<T>>(&arithmetic),
+                                                     untimed_entry_of<InverseQr<T>>(&arithmetic),
+                                                     untimed_entry_of<Qr<T>>(&arithmetic)};
+    for (CatalogueEntry const& entry : entries)
+        if (entry.variant == variant) return entry;
+    throw std::logic_error("no such variant rounds at random");
 }
-
-/// P and P^-1 for the rows and the lambda that the filter is given, in double.
-struct InDouble {
-    double lambda;
-    Matrix<double> P = Matrix<double>::Identity(size, size), M = P;
-
-    void take(Vector<double> const& psi) {
-        double f[size], s = lambda;
-        for (Index i = 0; i < size; ++i) {
-            f[i] = 0;
-            for (Index j = 0; j < size; ++j) f[i] += P(i, j) * psi[j];
-            s += psi[i] * f[i];
-        }
-        for (Index i = 0; i < size; ++i)
-            for (Index j = 0; j <= i; ++j) {
-                P(i, j) = P(j, i) = (P(i, j) - f[i] * f[j] / s) / lambda;
-                M(i, j) = M(j, i) = lambda * M(i, j) + psi[i] * psi[j];
-            }
-    }
-};
 
 /// One run. A filter that has lost definiteness is made anew from P = I at the next row. Its first 2/(1 - lambda) rows
 /// do not count.
@@ -76,14 +55,15 @@ void measure(Trial const& trial, TrialOutput& out) {
     Records const records =
         as_stored(delay_line(size, rows, trial.number("pole"), trial.seed({"pole", "replicate"})), *entry.arithmetic);
     Seed seed = trial.seed({"pole", "replicate", "lambda", "digits", "rounding", "variant"});
-    InDouble exact{lambda};
+    InDouble exact(problem);
     auto filter = entry.make(problem, Seed{seed.next()});
     double counted = 0, lost = 0, early = 0, hazard = 0, kappa = 0, looks = 0;
     Index made = 0;
     for (Index k = 0; k < rows; ++k) {
-        exact.take(records.psi.col(k));
+        exact.take(records, k);
         if (k >= start && k % look == 0) {
-            double const greatest = largest_eigenvalue(exact.P), condition = greatest * largest_eigenvalue(exact.M);
+            double const greatest = largest_eigenvalue(exact.P, 40),
+                         condition = greatest * largest_eigenvalue(exact.M, 40);
             double const a = std::sqrt(1 - lambda * lambda) / (c * u * condition);
             hazard += (1 - lambda) * a * 0.3989422804014327 * correctly::exp(-a * a / 2);
             kappa += correctly::log2(condition);
@@ -127,23 +107,20 @@ struct Hazard {
     double scatter() const { return bursts / lost; }
 };
 Judgement judged(double point, Interval const& shown, double from, double to, std::string const& name) {
-    Interval const band{from, to};
-    return {shown.outside(band)  ? Verdict::fails
-            : shown.inside(band) ? Verdict::holds
-                                 : Verdict::undecided,
+    return {verdict_of(shown, {from, to}),
             fmt::format("{:.3g} [{:.3g}, {:.3g}] ({})", point, shown.low, shown.high, name), claim_risk};
 }
 constexpr double quantile = 3.2905;  // of the normal distribution, for claim_risk on both sides
 
-Table of(Table const& t, char const* variant, char const* rounding) {
-    return t.where("variant", variant).where("rounding", rounding);
+Selection of(char const* variant, char const* rounding) {
+    return where("variant", variant).where("rounding", rounding);
 }
 std::vector<std::string> const cell{"pole", "lambda", "digits"};
 
 /// Losses over the law's, in every cell where the law expects at least ten.
-Judgement against_the_law(Table const& t, char const* rounding) {
+Judgement against_the_law(Table const& t) {
     std::vector<Judgement> out;
-    for (auto const& [name, runs] : of(t, "symmetric", rounding).groups(cell)) {
+    for (auto const& [name, runs] : t.groups(cell)) {
         Hazard const h(runs);
         if (h.predicted * h.steps < 10) continue;
         Interval const limits = h.limits();
@@ -152,27 +129,85 @@ Judgement against_the_law(Table const& t, char const* rounding) {
     }
     return together(out);
 }
-/// f of the hazards (nearest, p - 1), (nearest, p), (stochastic, p - 1), (stochastic, p) of each pole and lambda.
-template <class F>
-Judgement each_bit(Table const& t, F f) {
-    std::vector<Judgement> out;
+constexpr double enough = 20;  // losses of a hazard that is compared with another
+/// Of each pole, lambda and length but the shortest: hazards to nearest and stochastically, with a bit less and here.
+struct Four {
+    std::string name;
+    Hazard nearest_before, nearest, stochastic_before, stochastic;
+};
+std::vector<Four> each_bit(Table const& t) {
+    std::vector<Four> out;
     for (auto const& [name, runs] : t.where("variant", "symmetric").groups({"pole", "lambda"}))
         for (Cell const& digits : runs.distinct("digits")) {
             double const p = std::get<double>(digits);
             Table const here = runs.where("digits", p), before = runs.where("digits", p - 1);
             if (before.empty()) continue;
-            std::string const label = fmt::format("{}, digits {}", name, p);
-            f(out, label, Hazard(before.where("rounding", "nearest")), Hazard(here.where("rounding", "nearest")),
-              Hazard(before.where("rounding", "stochastic")), Hazard(here.where("rounding", "stochastic")));
+            auto const of = [](Table const& some, char const* rounding) {
+                return Hazard(some.where("rounding", rounding));
+            };
+            out.push_back({fmt::format("{}, digits {}", name, p), of(before, "nearest"), of(here, "nearest"),
+                           of(before, "stochastic"), of(here, "stochastic")});
+        }
+    return out;
+}
+Judgement growth(Table const& t) {
+    std::vector<Judgement> out;
+    for (Four const& f : each_bit(t))
+        for (auto const& [name, before, here] : {std::tuple{"nearest", &f.nearest_before, &f.nearest},
+                                                 {"stochastic", &f.stochastic_before, &f.stochastic}}) {
+            if (before->lost < enough || here->lost < enough) continue;
+            double const x = -correctly::log(before->rate()), y = -correctly::log(here->rate()), ratio = y / x;
+            double const error =
+                quantile * std::sqrt(here->scatter() / (x * x) + ratio * ratio * before->scatter() / (x * x));
+            out.push_back(judged(ratio, {ratio - error, ratio + error}, 1.2, 1.6, f.name + ", " + name));
         }
     return together(out);
 }
-constexpr double enough = 20;  // losses of a hazard that is compared with another
+Judgement cost_in_bits(Table const& t) {
+    std::vector<Judgement> out;
+    for (auto const& [name, n0, n1, s0, s1] : each_bit(t)) {
+        if (n0.lost < enough || n1.lost < enough || s1.lost < enough) continue;
+        double const bit = correctly::log(n0.rate() / n1.rate()), x = correctly::log(s1.rate() / n1.rate()) / bit;
+        double const error =
+            quantile * std::sqrt(s1.scatter() + x * x * n0.scatter() + (1 - x) * (1 - x) * n1.scatter()) / bit;
+        out.push_back(judged(x, {x - error, x + error}, 0.25, 0.75, name));
+    }
+    return together(out);
+}
+Judgement steps_of(Table const& t) {
+    double steps = 0;
+    for (double const n : t.numbers("steps")) steps += n;
+    return {Verdict::holds, fmt::format("{:.3g} steps", steps)};
+}
+Selection const roots = where("variant", {"ud", "carlson", "inverse_qr", "qr"});
+/// The losses of joseph_rank_two in 8 bits, and how many times those to nearest they are.
+Judgement killed(Table const& t) {
+    std::vector<Judgement> out;
+    for (auto const& [name, runs] : of("joseph_rank_two", "stochastic")(t).groups({"lambda"})) {
+        Table const nearest = of("joseph_rank_two", "nearest")(t).where("lambda", runs.distinct("lambda").front());
+        Interval const at_random = Hazard(runs).limits(), before = Hazard(nearest).limits();
+        double const least = at_random.low / before.high,
+                     most = before.low > 0 ? at_random.high / before.low : INFINITY;
+        out.push_back(judged(Hazard(runs).rate(), {least, most}, 10, INFINITY, name + ": a step, and the ratio"));
+    }
+    return together(out);
+}
+Judgement few_bits_do(Table const& t) {
+    std::vector<Judgement> out;
+    for (char const* few : {"4 bits", "4 bits and half"})
+        for (auto const& [name, runs] : of("symmetric", few)(t).groups({"lambda"})) {
+            Table const whole = of("symmetric", "stochastic")(t).where("pole", 0.9);
+            Hazard const h(runs), all(whole.where("lambda", runs.distinct("lambda").front()));
+            double const ratio = h.rate() / all.rate(),
+                         by = correctly::exp(quantile * std::sqrt(h.scatter() + all.scatter()));
+            out.push_back(judged(ratio, {ratio / by, ratio * by}, 1 / 1.5, 1.5, name + ", " + few));
+        }
+    return together(out);
+}
 
 }  // namespace
 
-extern Study const stochastic_definiteness;
-Study const stochastic_definiteness{
+extern Study const stochastic_definiteness{
     .name = "stochastic_definiteness",
     .question = "Does stochastic rounding save the definiteness of P, or kill it?",
     .source =
@@ -236,91 +271,27 @@ Study const stochastic_definiteness{
                .y_label = "losses per step",
                .where = {{"digits", {"8"}}, {"pole", {"0.9"}}, {"rounding", {"nearest", "stochastic"}}}}},
     .claims =
-        {
-            {"S4: to nearest the hazard of symmetric is the law's with c = 0.3, within a factor of 3, where ten losses "
-             "are expected",
-             [](Table const& t) { return against_the_law(t, "nearest"); },
-             own_result("docs/theory.md 76, its c fitted after pilot runs")},
-            {"S4: stochastic with c = 0.42, within a factor of 3",
-             [](Table const& t) { return against_the_law(t, "stochastic"); },
-             own_result("docs/theory.md 76, its c fitted after pilot runs")},
-            {"S4: a bit more multiplies |ln h| by 1.2 to 1.6, not by 4",
-             [](Table const& t) {
-                 return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1,
-                                       auto const& s0, auto const& s1) {
-                     auto const growth = [&](char const* name, Hazard const& before, Hazard const& here) {
-                         if (before.lost < enough || here.lost < enough) return;
-                         double const x = -correctly::log(before.rate()), y = -correctly::log(here.rate()),
-                                      ratio = y / x;
-                         double const error = quantile * std::sqrt(here.scatter() / (x * x) +
-                                                                   ratio * ratio * before.scatter() / (x * x));
-                         out.push_back(judged(ratio, {ratio - error, ratio + error}, 1.2, 1.6, label + ", " + name));
-                     };
-                     growth("nearest", n0, n1), growth("stochastic", s0, s1);
-                 });
-             },
-             own_result("docs/theory.md 76, set before the run")},
-            {"S5: stochastic rounding costs half a bit, to a quarter: h(p) is that to nearest of p - x bits, ln h "
-             "linear between",
-             [](Table const& t) {
-                 return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1, auto const&,
-                                       auto const& s1) {
-                     if (n0.lost < enough || n1.lost < enough || s1.lost < enough) return;
-                     double const bit = correctly::log(n0.rate() / n1.rate()),
-                                  x = correctly::log(s1.rate() / n1.rate()) / bit;
-                     double const error =
-                         quantile * std::sqrt(s1.scatter() + x * x * n0.scatter() + (1 - x) * (1 - x) * n1.scatter()) /
-                         bit;
-                     out.push_back(judged(x, {x - error, x + error}, 0.25, 0.75, label));
-                 });
-             },
-             own_result("docs/theory.md 76; in bits after a full run, whose band, a factor of 3 of h, held 0 bits and "
-                        "1 as well")},
-            {"S6: ud, carlson, inverse_qr, qr never lose it, to nearest and stochastically, in 6 and 8 bits",
-             [](Table const& t) {
-                 Table const roots = t.where("variant", std::vector<std::string>{"ud", "carlson", "inverse_qr", "qr"});
-                 double steps = 0;
-                 for (double const n : roots.numbers("steps")) steps += n;
-                 Judgement out = everywhere(roots, "lost", 0.0, Estimate::proven) &&
-                                 everywhere(roots, "early", 0.0, Estimate::proven);
-                 out.measured += fmt::format("; {:.3g} steps", steps);
-                 return out;
-             },
-             verification("docs/theory.md 34").by("docs/theory.md 34")},
-            {"joseph_rank_two in 8 bits loses it at least ten times as often stochastically as to nearest",
-             [](Table const& t) {
-                 std::vector<Judgement> out;
-                 for (auto const& [name, runs] :
-                      of(t, "joseph_rank_two", "stochastic").where("digits", 8.0).groups({"lambda"})) {
-                     Table const nearest = of(t, "joseph_rank_two", "nearest").where("digits", 8.0);
-                     Interval const at_random = Hazard(runs).limits(),
-                                    before = Hazard(nearest.where("lambda", runs.distinct("lambda").front())).limits();
-                     double const least = at_random.low / before.high,
-                                  most = before.low > 0 ? at_random.high / before.low : INFINITY;
-                     out.push_back(
-                         judged(Hazard(runs).rate(), {least, most}, 10, INFINITY, name + ": a step, and the ratio"));
-                 }
-                 return together(out);
-             },
-             own_result("docs/theory.md 79; set after a pilot at the quick budget")},
-            {"4 random bits lose it as often as all: symmetric in 8 bits, within a factor of 1.5, truncated and with "
-             "half added",
-             [](Table const& t) {
-                 std::vector<Judgement> out;
-                 for (char const* few : {"4 bits", "4 bits and half"})
-                     for (auto const& [name, runs] : of(t, "symmetric", few).where("digits", 8.0).groups({"lambda"})) {
-                         Hazard const h(runs), all(of(t, "symmetric", "stochastic")
-                                                       .where("pole", 0.9)
-                                                       .where("digits", 8.0)
-                                                       .where("lambda", runs.distinct("lambda").front()));
-                         double const ratio = h.rate() / all.rate(),
-                                      by = correctly::exp(quantile * std::sqrt(h.scatter() + all.scatter()));
-                         out.push_back(judged(ratio, {ratio / by, ratio * by}, 1 / 1.5, 1.5, name + ", " + few));
-                     }
-                 return together(out);
-             },
-             own_result("set before the run")},
-        },
-};
+        {{"S4: to nearest the hazard of symmetric is the law's with c = 0.3, within a factor of 3, where ten losses "
+          "are expected",
+          of("symmetric", "nearest").judged(against_the_law),
+          own_result("docs/theory.md 76, its c fitted after pilot runs")},
+         {"S4: stochastic with c = 0.42, within a factor of 3", of("symmetric", "stochastic").judged(against_the_law),
+          own_result("docs/theory.md 76, its c fitted after pilot runs")},
+         {"S4: a bit more multiplies |ln h| by 1.2 to 1.6, not by 4", growth,
+          own_result("docs/theory.md 76, set before the run")},
+         {"S5: stochastic rounding costs half a bit, to a quarter: h(p) is that to nearest of p - x bits, ln h "
+          "linear between",
+          cost_in_bits,
+          own_result("docs/theory.md 76; in bits after a full run, whose band, a factor of 3 of h, held 0 bits and "
+                     "1 as well")},
+         {"S6: ud, carlson, inverse_qr, qr never lose it, to nearest and stochastically, in 6 and 8 bits",
+          everywhere(roots, "lost", 0.0, Estimate::proven) && everywhere(roots, "early", 0.0, Estimate::proven) &&
+              roots.judged(steps_of),
+          verification("docs/theory.md 34").by("docs/theory.md 34")},
+         {"joseph_rank_two in 8 bits loses it at least ten times as often stochastically as to nearest",
+          where("digits", 8.0).judged(killed), own_result("docs/theory.md 79; set after a pilot at the quick budget")},
+         {"4 random bits lose it as often as all: symmetric in 8 bits, within a factor of 1.5, truncated and with "
+          "half added",
+          where("digits", 8.0).judged(few_bits_do), own_result("set before the run")}}};
 
 }  // namespace rlslab::studies

@@ -44,10 +44,8 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 std::vector<std::string> const roots{"potter", "carlson", "inverse_qr"};
 constexpr double of_qr = 1 + 1.0 / size;  ///< times the law: its first row has it twice
-Table in_double(Table const& t) { return t.where("arithmetic", "double"); }
-Table large(Table const& t, bool is) {
-    return t.where("predicted", [=](double p) { return (std::abs(p) > 100) == is; });
-}
+Selection const in_double = where("arithmetic", "double");
+bool beyond_100(double predicted) { return std::abs(predicted) > 100; }
 double mean(Table const& t, std::string const& column) {
     double sum = 0;
     for (double const x : t.numbers(column)) sum += x / double(t.rows().size());
@@ -59,11 +57,15 @@ Statistic ratio() {
 Statistic mean_of(std::string column) {
     return [column](Table const& t) { return mean(t, column); };
 }
+Judge strays(std::vector<std::string> const& variants, double from, double to) {
+    Statistic const stray([](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); },
+                          Estimate::most);
+    return within(in_double.where("variant", variants), {}, stray, from, to);
+}
 
 }  // namespace
 
-extern Study const sqrt_lambda_bias;
-Study const sqrt_lambda_bias{
+extern Study const sqrt_lambda_bias{
     .name = "sqrt_lambda_bias",
     .question = "What does the rounding of sqrt(lambda) do to the forms that use it?",
     .source =
@@ -82,15 +84,12 @@ Study const sqrt_lambda_bias{
         "extended_qr carries the inverse factor without correction, and drifts around the law. In float carlson and "
         "inverse_qr have a drift of their own on top (study delta_forms).",
     .data = "white rows, d = 4",
-    .factors =
-        [](Budget budget) {
-            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                       {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
-                                       {"variant",
-                                        {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman",
-                                         "symmetric", "joseph", "information"}},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
-        },
+    .factors = {{"arithmetic", {"float", "double"}},
+                {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
+                {"variant",
+                 {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman", "symmetric", "joseph",
+                  "information"}},
+                {"replicate", counted(20), counted(11)}},
     .measures = {"memory", "predicted", "bias", "excess"},
     .measure = measure,
     .plots = {{.title = "Bias of tr P against the law",
@@ -101,58 +100,32 @@ Study const sqrt_lambda_bias{
                .x_label = "predicted bias / u",
                .y_label = "mean relative error of tr P / u",
                .guides = {{"the law", [](double p) { return p; }}}}},
-    .claims =
-        {
-            {"double, predicted bias beyond 100 u: potter, carlson and inverse_qr have it to 10 %",
-             [](Table const& t) {
-                 return within(large(in_double(t), true).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9,
-                               1.1);
-             },
-             reproduction("set with the earlier experiment, docs/literature.md 3.7")},
-            {"double, predicted bias of 27 u (lambda = 0.99): the same within 10 % of it, 2.7 u",
-             [](Table const& t) {
-                 return within(in_double(t).where("lambda", 0.99).where("variant", roots), {"variant"},
-                               mean_of("excess"), -2.7, 2.7);
-             },
-             own_result("docs/theory.md 39, and 10 % of it; in place of a band set after its run")},
-            {"lambda = (1 - 2^-11)^2, whose root is exact: at most 20 u in double",
-             [](Table const& t) {
-                 return within(in_double(t).where("lambda", exact_root).where("variant", roots), {"variant"},
-                               mean_of("bias"), -20, 20);
-             },
-             reproduction("set with the earlier experiment, docs/literature.md 3.7")},
-            {"forms that use lambda itself: at most 15 u at every lambda in double",
-             [](Table const& t) {
-                 Table const others =
-                     in_double(t).where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"});
-                 return within(others, {"lambda", "variant"}, mean_of("bias"), -15, 15);
-             },
-             own_result("first edition, set after its run")},
-            {"float, predicted bias beyond 100 u: potter has it to 10 %",
-             [](Table const& t) {
-                 Table const rows = large(t.where("arithmetic", "float"), true).where("variant", "potter");
-                 return within(rows, {"lambda"}, ratio(), 0.9, 1.1);
-             },
-             own_result("docs/theory.md 39, and 10 % of it")},
-            {"float and double, predicted bias beyond 100 u: qr has 1 + 1/d of it to 10 %",
-             [](Table const& t) {
-                 return within(large(t, true).where("variant", "qr"), {"arithmetic", "lambda"}, ratio(), 0.9 * of_qr,
-                               1.1 * of_qr);
-             },
-             own_result("docs/theory.md 39, after a run had shown a quarter more than the law of the other forms")},
-            {"extended_qr strays from the law: in most runs by more than 40 u in double, where potter, carlson and "
-             "inverse_qr stay within 40",
-             [](Table const& t) {
-                 Statistic const stray = [](Table const& at) {
-                     return std::max(greatest("excess")(at), -least("excess")(at));
-                 };
-                 auto const in_most = [&](std::vector<std::string> const& variants, double from, double to) {
-                     return within(in_double(t).where("variant", variants), {}, stray.as(Estimate::most), from, to);
-                 };
-                 return in_most({"extended_qr"}, 40, INFINITY) && labelled("the others", in_most(roots, 0, 40));
-             },
-             own_result("first edition, set after its run")},
-        },
-};
+    .claims = {
+        {"double, predicted bias beyond 100 u: potter, carlson and inverse_qr have it to 10 %",
+         within(in_double.where("predicted", beyond_100).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9,
+                1.1),
+         reproduction("set with the earlier experiment, docs/literature.md 3.7")},
+        {"double, predicted bias of 27 u (lambda = 0.99): the same within 10 % of it, 2.7 u",
+         within(in_double.where("lambda", 0.99).where("variant", roots), {"variant"}, mean_of("excess"), -2.7, 2.7),
+         own_result("docs/theory.md 39, and 10 % of it; in place of a band set after its run")},
+        {"lambda = (1 - 2^-11)^2, whose root is exact: at most 20 u in double",
+         within(in_double.where("lambda", exact_root).where("variant", roots), {"variant"}, mean_of("bias"), -20, 20),
+         reproduction("set with the earlier experiment, docs/literature.md 3.7")},
+        {"forms that use lambda itself: at most 15 u at every lambda in double",
+         within(in_double.where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"}),
+                {"lambda", "variant"}, mean_of("bias"), -15, 15),
+         own_result("first edition, set after its run")},
+        {"float, predicted bias beyond 100 u: potter has it to 10 %",
+         within(where("arithmetic", "float").where("predicted", beyond_100).where("variant", "potter"), {"lambda"},
+                ratio(), 0.9, 1.1),
+         own_result("docs/theory.md 39, and 10 % of it")},
+        {"float and double, predicted bias beyond 100 u: qr has 1 + 1/d of it to 10 %",
+         within(where("predicted", beyond_100).where("variant", "qr"), {"arithmetic", "lambda"}, ratio(), 0.9 * of_qr,
+                1.1 * of_qr),
+         own_result("docs/theory.md 39, after a run had shown a quarter more than the law of the other forms")},
+        {"extended_qr strays from the law: in most runs by more than 40 u in double, where potter, carlson and "
+         "inverse_qr stay within 40",
+         strays({"extended_qr"}, 40, INFINITY) && labelled("the others", strays(roots, 0, 40)),
+         own_result("first edition, set after its run")}}};
 
 }  // namespace rlslab::studies

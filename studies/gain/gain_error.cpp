@@ -34,15 +34,15 @@ std::vector<std::string> const one_gain{"conventional_two_sided", "symmetric"}, 
     factors{"potter", "carlson", "ud", "inverse_qr", "extended_qr"}, josephs{"joseph", "joseph_rank_two"};
 
 /// Where an error of every gain is small, and far above the rounding of 257 bits.
-Judgement order(Table const& t, std::vector<std::string> const& variants, double from, double to, double below = 0.02) {
-    Table const rows = t.where("arithmetic", "reference").where("epsilon", [=](double e) { return e < below; });
-    return within(rows.where("variant", variants), {"variant", "lambda"}, slope("epsilon", "error"), from, to);
+Judge order(std::vector<std::string> const& variants, double from, double to,
+            Selection const& rows = where("epsilon", below(0.02))) {
+    return within(rows.where("arithmetic", "reference").where("variant", variants), {"variant", "lambda"},
+                  slope("epsilon", "error"), from, to);
 }
 
 }  // namespace
 
-extern Study const gain_error;
-Study const gain_error{
+extern Study const gain_error{
     .name = "gain_error",
     .question = "What does an error in the gain do to the covariance?",
     .source =
@@ -64,13 +64,10 @@ Study const gain_error{
         "(docs/theory.md 36): beyond epsilon N of about 1 it has broken down. How large these errors are: study "
         "gain_error_size.",
     .data = "white rows, d = 5",
-    .factors =
-        [](Budget budget) {
-            return std::vector<Factor>{{"arithmetic", {"float", "double", "reference"}},
-                                       {"lambda", {1.0, 0.98}},
-                                       {"variant", gain_forms()},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 15)}};
-        },
+    .factors = {{"arithmetic", {"float", "double", "reference"}},
+                {"lambda", {1.0, 0.98}},
+                {"variant", gain_forms()},
+                {"replicate", counted(20), counted(15)}},
     .measures = {"epsilon", "error"},
     .measure = measure,
     .plots = {{.title = "Error of P after errors in every gain",
@@ -82,38 +79,24 @@ Study const gain_error{
                .where = {{"lambda", {"1"}}},
                .guides = {{"ε", [](double e) { return e; }}, {"ε²", [](double e) { return e * e; }}},
                .floor = 1e-30}},
-    .claims =
-        {
-            {"forms that propagate a factor, v or the running gain in error: slope 1.00 +- 0.01 over twelve decades",
-             [](Table const& t) { return order(t, factors, 0.99, 1.01); },
-             own_result("derived beforehand: docs/theory.md 32, 33 (G1)")},
-            {"forms that subtract K psi'P and keep P symmetric, or compute psi'P apart: slope 1.00 +- 0.01",
-             [](Table const& t) { return order(t, one_gain, 0.99, 1.01); },
-             own_result("derived beforehand: docs/theory.md 16")},
-            {"conventional and kalman, where nothing is forgotten and epsilon N stays below 0.1: slope 1.00 +- 0.01",
-             [](Table const& t) { return order(t.where("lambda", 1.0), growing, 0.99, 1.01, 2e-4); },
-             own_result("derived beforehand: docs/theory.md 16, 36")},
-            {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at "
-             "least 5 times symmetric's",
-             [](Table const& t) {
-                 return within(t.where("arithmetic", "reference")
-                                   .where("lambda", 0.98)
-                                   .where("epsilon", [](double e) { return e < 2e-13; }),
-                               {}, ratio_of_errors("conventional", "symmetric"), 5, 1e6);
-             },
-             own_result("first edition, set after its run (docs/theory.md 28, law ii)")},
-            {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades",
-             [](Table const& t) { return order(t, josephs, 1.99, 2.01); },
-             own_result("derived beforehand: docs/theory.md 17")},
-            {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on, in most "
-             "runs",
-             [](Table const& t) {
-                 Table const small =
-                     t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
-                 return within(small.where("variant", josephs), {"variant", "lambda"}, greatest("error"), 1e-17, 1e-14);
-             },
-             own_result("first edition, set after its run")},
-        },
-};
+    .claims = {
+        {"forms that propagate a factor, v or the running gain in error: slope 1.00 +- 0.01 over twelve decades",
+         order(factors, 0.99, 1.01), own_result("derived beforehand: docs/theory.md 32, 33 (G1)")},
+        {"forms that subtract K psi'P and keep P symmetric, or compute psi'P apart: slope 1.00 +- 0.01",
+         order(one_gain, 0.99, 1.01), own_result("derived beforehand: docs/theory.md 16")},
+        {"conventional and kalman, where nothing is forgotten and epsilon N stays below 0.1: slope 1.00 +- 0.01",
+         order(growing, 0.99, 1.01, where("lambda", 1.0).where("epsilon", below(2e-4))),
+         own_result("derived beforehand: docs/theory.md 16, 36")},
+        {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at "
+         "least 5 times symmetric's",
+         within(where("arithmetic", "reference").where("lambda", 0.98).where("epsilon", below(2e-13)), {},
+                ratio_of_errors("conventional", "symmetric"), 5, 1e6),
+         own_result("first edition, set after its run (docs/theory.md 28, law ii)")},
+        {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades", order(josephs, 1.99, 2.01),
+         own_result("derived beforehand: docs/theory.md 17")},
+        {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on, in most runs",
+         within(where("arithmetic", "double").where("epsilon", below(2e-8)).where("variant", josephs),
+                {"variant", "lambda"}, greatest("error"), 1e-17, 1e-14),
+         own_result("first edition, set after its run")}}};
 
 }  // namespace rlslab::studies

@@ -34,22 +34,32 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 std::vector<std::string> const triangular = words(triangular_forms());
-Table of(Table const& t, char const* arithmetic, char const* eps) {
-    return t.where("arithmetic", arithmetic).where("eps", eps);
+Selection of(char const* arithmetic, char const* eps, char const* variant) {
+    return where("variant", variant).where("arithmetic", arithmetic).where("eps", eps);
 }
 
 /// The variance is positive up to 2^-last and negative from there on.
-Judgement flips(Table const& t, char const* arithmetic, double last, std::vector<std::string> const& variants) {
-    Table const rows = of(t, arithmetic, "2^-k").where("variant", variants);
-    Judgement const before = everywhere(rows.where("power", [=](double k) { return k <= last; }), "sign", "positive");
-    Judgement const after = everywhere(rows.where("power", [=](double k) { return k > last; }), "sign", "negative");
-    return labelled("up to it", before) && labelled("beyond", after);
+Judge flips(char const* arithmetic, double last, std::vector<std::string> const& variants) {
+    Selection const rows = where("arithmetic", arithmetic).where("eps", "2^-k").where("variant", variants);
+    return labelled("up to it", everywhere(rows.where("power", at_most(last)), "sign", "positive")) &&
+           labelled("beyond", everywhere(rows.where("power", above(last)), "sign", "negative"));
 }
+Judgement variances_of_the_flip(Table const& rows) {
+    double const before = rows.where("power", 26.0).number("variance"),
+                 after = rows.where("power", 27.0).number("variance");
+    bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
+    return {holds, fmt::format("{:.11g}, {:.11g}", before, after)};
+}
+Judgement products_lose_digits(Table const& rows) {
+    double const near = rows.where("power", 30.0).number("error_u"), far = rows.where("power", 47.0).number("error_u");
+    return {near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
+}
+std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
+Statistic const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
 
 }  // namespace
 
-extern Study const bierman;
-Study const bierman{
+extern Study const bierman{
     .name = "bierman",
     .question = "At which epsilon does a variance turn negative in Bierman's example?",
     .source =
@@ -68,13 +78,10 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\
         "beyond its jump, where eps^2 is lost, at powers of two only. The other factor forms, and here even the normal "
         "equations, stay within 8 u.",
     .data = "Bierman's two rows",
-    .factors =
-        [](Budget) {
-            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                       {"eps", {"2^-k", "1.07 2^-k"}},
-                                       {"variant", row_forms()},
-                                       {"power", counted(48)}};
-        },
+    .factors = {{"arithmetic", {"float", "double"}},
+                {"eps", {"2^-k", "1.07 2^-k"}},
+                {"variant", row_forms()},
+                {"power", counted(48)}},
     .admits =
         [](Trial const& trial) { return trial.number("power") <= (trial.text("arithmetic") == "float" ? 22 : 48); },
     .measures = {"epsilon", "error", "error_u", "error_u_eps", "variance", "sign", "outcome", "square"},
@@ -103,65 +110,34 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\
                .x_label = "ε",
                .y_label = "computed variance (exactly about 1 + 2ε)",
                .where = {{"eps", {"2^-k"}}, {"variant", {"conventional", "symmetric", "joseph"}}}}},
-    .claims =
-        {
-            {"double: conventional's first variance is positive up to eps = 2^-26 and negative from 2^-27 on",
-             [](Table const& t) { return flips(t, "double", 26, {"conventional"}); },
-             reproduction("earlier experiment, docs/literature.md 3.3")},
-            {"float: positive up to eps = 2^-11 and negative from 2^-12 on",
-             [](Table const& t) { return flips(t, "float", 11, {"conventional"}); },
-             reproduction("earlier experiment, docs/literature.md 3.3")},
-            {"conventional_two_sided, symmetric and joseph_rank_two flip at the same epsilon",
-             [](Table const& t) {
-                 std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
-                 Judgement const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
-                 return labelled("double", in_double) && labelled("float", in_float);
-             },
-             own_result("first edition, set after its run")},
-            {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as "
-             "in docs/literature.md 3.3",
-             [](Table const& t) {
-                 Table const rows = of(t, "double", "2^-k").where("variant", "conventional");
-                 double const before = rows.where("power", 26.0).number("variance"),
-                              after = rows.where("power", 27.0).number("variance");
-                 bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
-                 return Judgement{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
-             },
-             reproduction("earlier experiment, docs/literature.md 3.3")},
-            {"joseph by products, power of two: error below 30 u at every eps, and never indefinite",
-             [](Table const& t) {
-                 Table const rows = t.where("variant", "joseph");
-                 Judgement const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
-                 Judgement const sound = everywhere(rows, "outcome", "sound");
-                 return error && sound;
-             },
-             reproduction("set with the earlier experiment, docs/literature.md 3.3")},
-            {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
-             [](Table const& t) {
-                 Table const rows = of(t, "double", "1.07 2^-k").where("variant", "joseph");
-                 double const near = rows.where("power", 30.0).number("error_u"),
-                              far = rows.where("power", 47.0).number("error_u");
-                 return Judgement{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
-             },
-             own_result("first edition, set after its run")},
-            {"ud, carlson, inverse_qr, qr, gentleman, extended_qr: error below 30 u at every eps of either kind",
-             [](Table const& t) {
-                 return within(t.where("variant", triangular), {"variant", "arithmetic"}, greatest("error_u"), 0, 30);
-             },
-             reproduction("set with the earlier experiment, docs/literature.md 3.3")},
-            {"potter: error below 4 eps at powers of two beyond the flip (docs/literature.md 3.3 has 2 eps at 2^-30)",
-             [](Table const& t) {
-                 Table const rows = t.where("variant", "potter").where("eps", "2^-k").where("square", "lost");
-                 Statistic const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
-                 return within(rows, {"arithmetic", "power"}, in_eps, 0, 4);
-             },
-             reproduction("set with the earlier experiment, docs/literature.md 3.3")},
-            {"potter: error u / eps, to a factor of 3: below 3 u / eps at every eps of either kind",
-             [](Table const& t) {
-                 return within(t.where("variant", "potter"), {"arithmetic", "eps"}, greatest("error_u_eps"), 0, 3);
-             },
-             own_result("docs/theory.md 44, in place of a band set after its run")},
-        },
-};
+    .claims = {
+        {"double: conventional's first variance is positive up to eps = 2^-26 and negative from 2^-27 on",
+         flips("double", 26, {"conventional"}), reproduction("earlier experiment, docs/literature.md 3.3")},
+        {"float: positive up to eps = 2^-11 and negative from 2^-12 on", flips("float", 11, {"conventional"}),
+         reproduction("earlier experiment, docs/literature.md 3.3")},
+        {"conventional_two_sided, symmetric and joseph_rank_two flip at the same epsilon",
+         labelled("double", flips("double", 26, others)) && labelled("float", flips("float", 11, others)),
+         own_result("first edition, set after its run")},
+        {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as "
+         "in docs/literature.md 3.3",
+         of("double", "2^-k", "conventional").judged(variances_of_the_flip),
+         reproduction("earlier experiment, docs/literature.md 3.3")},
+        {"joseph by products, power of two: error below 30 u at every eps, and never indefinite",
+         within(where("variant", "joseph").where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30) &&
+             everywhere(where("variant", "joseph"), "outcome", "sound"),
+         reproduction("set with the earlier experiment, docs/literature.md 3.3")},
+        {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
+         of("double", "1.07 2^-k", "joseph").judged(products_lose_digits),
+         own_result("first edition, set after its run")},
+        {"ud, carlson, inverse_qr, qr, gentleman, extended_qr: error below 30 u at every eps of either kind",
+         within(where("variant", triangular), {"variant", "arithmetic"}, greatest("error_u"), 0, 30),
+         reproduction("set with the earlier experiment, docs/literature.md 3.3")},
+        {"potter: error below 4 eps at powers of two beyond the flip (docs/literature.md 3.3 has 2 eps at 2^-30)",
+         within(where("variant", "potter").where("eps", "2^-k").where("square", "lost"), {"arithmetic", "power"},
+                in_eps, 0, 4),
+         reproduction("set with the earlier experiment, docs/literature.md 3.3")},
+        {"potter: error u / eps, to a factor of 3: below 3 u / eps at every eps of either kind",
+         within(where("variant", "potter"), {"arithmetic", "eps"}, greatest("error_u_eps"), 0, 3),
+         own_result("docs/theory.md 44, in place of a band set after its run")}}};
 
 }  // namespace rlslab::studies

@@ -1,6 +1,5 @@
 // Sums are loops in order, powers are correctly rounded: the same bits on any machine.
 #include "studies/published/drawn_problem.hpp"
-#include "studies/published/everyday_rows.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/studies/spectra.hpp>

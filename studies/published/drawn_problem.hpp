@@ -74,5 +74,7 @@ DrawnProblem everyday_problem(Index number, Seed seed);
 
 /// A record of the problem: regressors from one seed, noise from another.
 Records realisation(DrawnProblem const& problem, Seed rows, Seed noise);
+/// Of a problem that has a kind.
+Records everyday_realisation(DrawnProblem const& problem, Seed rows, Seed noise);
 
 }  // namespace rlslab::studies

@@ -13,8 +13,6 @@ namespace {
 
 using namespace naming;
 
-double in_tenths(double digits) { return in_parts(digits, 10); }
-
 /// Why none is named, in a word; "" where one is.
 std::string reason(std::optional<Comparison> const& c) {
     if (!c) return "rank";
@@ -53,32 +51,19 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 // --- claims ----------------------------------------------------------------------------------------------------------
 
-Table others(Table const& t) { return t.where("evidence", "other").where("judged", 1.0); }
-bool is_half_a_digit(double x) { return x <= 0.5; }
-bool is_a_digit(double x) { return x <= 1; }
-bool is_infinite(double x) { return x == INFINITY; }
-bool is_one(double x) { return x == 1; }
-Statistic of_problems(char const* column, bool (*holds)(double)) { return share(column, holds, "problem"); }
-Statistic more_often_than(std::string form) {
-    return Statistic(
-               [=](Table const& of) {
-                   return double(is_half_a_digit(of.number("loss"))) - double(is_half_a_digit(of.number(form)));
-               },
-               Estimate::mean)
+Selection const itself = where("evidence", "itself"), others = where("evidence", "other").where("judged", 1.0),
+                named_counts = itself.where("kind", "counts")
+                                   .where("lambda", 1.0)
+                                   .where("word", "double")
+                                   .where("judged", 1.0)
+                                   .where("prior", "proposed");
+Statistic const names_information =
+    Statistic([](Table const& x) { return double(x.where("named", "information").rows().size()); }, Estimate::share)
         .over("problem");
-}
-/// By how much more often than this form always, kind by kind. It fails where an interval lies below zero.
-Judgement not_below(Table const& t, std::string const& form) {
-    return t.empty() ? Judgement{Verdict::undecided, "none"} : within(t, {"kind"}, more_often_than(form), 0, 1);
-}
-Judgement in_band(Table const& t, Statistic const& of, double from, double to) {
-    return t.empty() ? Judgement{Verdict::undecided, "none"} : within(t, {}, of, from, to);
-}
 
 }  // namespace
 
-extern Study const everyday_problems;
-Study const everyday_problems{
+extern Study const everyday_problems{
     .name = "everyday_problems",
     .question = "On records of the kinds that people have, is the form that compare names near the best?",
     .source =
@@ -91,49 +76,28 @@ Study const everyday_problems{
         "rows; another record of the problem judges it, in its own order too. Both take as many draws of the "
         "roundings as compare takes.",
     .data = "1000 problems of six kinds, in float and double; 24 at the quick budget",
-    .factors =
-        [](Budget budget) {
-            return std::vector<Factor>{{"problem", counted(budget == Budget::full ? 1000 : 24)}};
-        },
+    .factors = {{"problem", counted(1000), counted(24)}},
     .measures = {"word", "kind", "evidence", "d", "N", "regressors", "noise", "lambda", "prior", "named", "why",
                  "judged", "draws", "loss", "ud", "ud_delta", "gentleman"},
     .measure = measure,
     .plots = {},
-    .claims =
-        {
-            {"compare names a form in at least 80 % of these problems",
-             [](Table const& t) {
-                 return within(t.where("evidence", "itself"), {}, of_problems("judged", is_one), 0.8, 1);
-             },
-             own_result("issue 44's goal; set before the run")},
-            {"on another record that form is within half a digit of the best in at least 93 %",
-             [](Table const& t) { return in_band(others(t), of_problems("loss", is_half_a_digit), 0.93, 1); },
-             own_result("issue 44's goal; set before the run")},
-            {"and within a digit in at least 97 %",
-             [](Table const& t) { return in_band(others(t), of_problems("loss", is_a_digit), 0.97, 1); },
-             own_result("as in study random_problems; set before the run")},
-            {"and it breaks down in at most 1 %",
-             [](Table const& t) { return in_band(others(t), of_problems("loss", is_infinite), 0, 0.01); },
-             own_result("as in study random_problems; set before the run")},
-            {"not less often than gentleman always, in each kind",
-             [](Table const& t) { return not_below(others(t), "gentleman"); },
-             own_result("issue 44's goal; set before the run")},
-            {"not less often than ud_delta always, in each kind",
-             [](Table const& t) { return not_below(others(t), "ud_delta"); },
-             own_result("issue 44's goal; set before the run")},
-            {"counts, lambda = 1, double: information is named in at least 60 %",
-             [](Table const& t) {
-                 Table const of = t.where("evidence", "itself").where("kind", "counts").where("lambda", 1.0);
-                 Table const named = of.where("word", "double").where("judged", 1.0).where("prior", "proposed");
-                 return in_band(
-                     named,
-                     Statistic([](Table const& x) { return double(x.where("named", "information").rows().size()); },
-                               Estimate::share)
-                         .over("problem"),
-                     0.6, 1);
-             },
-             own_result("the sums are exact there; set before the run")},
-        },
-};
+    .claims = {
+        {"compare names a form in at least 80 % of these problems", within(itself, {}, share("judged", is_one), 0.8, 1),
+         own_result("issue 44's goal; set before the run")},
+        {"on another record that form is within half a digit of the best in at least 93 %",
+         in_band(others, share("loss", is_half_a_digit), 0.93, 1), own_result("issue 44's goal; set before the run")},
+        {"and within a digit in at least 97 %", in_band(others, share("loss", is_a_digit), 0.97, 1),
+         own_result("as in study random_problems; set before the run")},
+        {"and it breaks down in at most 1 %", in_band(others, share("loss", is_infinite), 0, 0.01),
+         own_result("as in study random_problems; set before the run")},
+        {"not less often than gentleman always, in each kind",
+         in_band(others, more_often_than("gentleman"), 0, 1, {"kind"}),
+         own_result("issue 44's goal; set before the run")},
+        {"not less often than ud_delta always, in each kind",
+         in_band(others, more_often_than("ud_delta"), 0, 1, {"kind"}),
+         own_result("issue 44's goal; set before the run")},
+        {"counts, lambda = 1, double: information is named in at least 60 %",
+         in_band(named_counts, names_information, 0.6, 1),
+         own_result("the sums are exact there; set before the run")}}};
 
 }  // namespace rlslab::studies

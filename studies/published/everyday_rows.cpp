@@ -1,6 +1,6 @@
 // Plants at rest, periods, counts, natural units, changes and levels. Sums are loops in order, powers are correctly
 // rounded: the same bits on any machine.
-#include "studies/published/everyday_rows.hpp"
+#include "studies/published/drawn_problem.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -64,4 +64,19 @@ Statistic share(std::string column, bool (*holds)(double), std::string const& ov
         .over(over);
 }
 
+Statistic more_often_than(std::string form) {
+    Statistic const out(
+        [=](Table const& of) {
+            return double(is_half_a_digit(of.number("loss"))) - double(is_half_a_digit(of.number(form)));
+        },
+        Estimate::mean);
+    return out.over("problem");
+}
+
+Judge in_band(Selection const& rows, Statistic const& of, double from, double to, std::vector<std::string> const& by) {
+    return rows.judged([=](Table const& t) {
+        return t.empty() ? Judgement{Verdict::undecided, "none"} : within(t, by, of, from, to);
+    });
+}
+
 }  // namespace rlslab::studies::naming

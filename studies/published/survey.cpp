@@ -89,18 +89,63 @@ Statistic of_records(char const* column, bool (*holds)(double), Estimate estimat
 }
 Statistic const breaks_down = of_records("broken", is_positive), hits = of_records("loss", is_half_a_digit);
 
-Table in(Table const& t, std::vector<std::string> const& some_words) { return t.where("word", some_words); }
-Table proposed(Table const& t) { return t.where("prior", "proposed"); }
+Selection in(std::vector<std::string> const& some_words) { return where("word", some_words); }
+Selection const short_word = in({"binary16"}).where("units", "natural").where("prior", Prior<double>{}.variance);
 Statistic const loss = median("loss").over("record");
 
+/// The share of a record's cells for which it holds, a cell of each value in these columns.
+Statistic share_of_cells(std::vector<std::string> const& by, bool (*holds)(Table const& cell)) {
+    Statistic const out(
+        [=](Table const& of) {
+            double yes = 0;
+            auto const cells = of.groups(by);
+            for (auto const& [name, cell] : cells) yes += holds(cell);
+            return yes / double(cells.size());
+        },
+        Estimate::share);
+    return out.over("record");
+}
+bool all_keep_6_digits(Table const& cell) { return least("worst")(cell) >= 6; }
+bool all_break_down(Table const& cell) { return least("broken")(cell) > 0; }
+bool some_is_named(Table const& cell) { return greatest("named")(cell) > 0; }
+Judge names_one(std::string const& word, double least_share) {
+    return labelled(
+        word, within(in({word}), {}, share_of_cells({"units", "prior", "lambda"}, some_is_named), least_share, 1));
+}
+/// What compare names by the first half over ud always: in which share of the cells more it is within half a digit.
+Statistic const gain_over_ud(
+    [](Table const& of) {
+        double more = 0, judged = 0;
+        for (auto const& [name, cell] : of.groups({"units", "prior", "lambda"})) {
+            Table const named = cell.where("named_by_half", 1.0);
+            if (named.empty()) continue;
+            more += is_half_a_digit(named.number("loss")), ++judged;
+            more -= is_half_a_digit(cell.where("variant", "ud").number("loss"));
+        }
+        return judged > 0 ? more / judged : 0;
+    },
+    Estimate::mean);
+Statistic const gain_by_scaling([](Table const& of) {
+    double const scaled = median("worst")(of.where("units", "scaled")),
+                 natural = median("worst")(of.where("units", "natural"));
+    return scaled == natural ? 0.0 : scaled - natural;
+});
+
 /// Judges the median over records of what a form loses more than another, each record's the median over its cells.
-Judgement loses_more(Table const& t, std::string const& variant, std::string const& than, double from, double to) {
+Judge loses_more(std::string const& variant, std::string const& than, double from, double to) {
     Statistic const more([=](Table const& of) {
         double const own = median("loss")(of.where("variant", variant)),
                      other = median("loss")(of.where("variant", than));
         return own == other ? 0.0 : in_twentieths(own - other);
     });
-    return labelled(variant, within(t.where("variant", {variant, than}), {"word"}, more.over("record"), from, to));
+    return labelled(variant,
+                    within(in(long_words).where("variant", {variant, than}), {"word"}, more.over("record"), from, to));
+}
+Judge no_other_loses_less() {
+    std::vector<Judge> parts;
+    for (std::string const& other : plain)
+        if (other != "ud") parts.push_back(loses_more(other, "ud", 0, INFINITY));
+    return together(parts);
 }
 
 /// The delta forms joined after the first run; these bands were committed before a run that had them.
@@ -109,8 +154,7 @@ std::vector<std::string> const factored{"potter", "carlson", "ud", "inverse_qr",
 
 }  // namespace
 
-extern Study const survey;
-Study const survey{
+extern Study const survey{
     .name = "survey",
     .question =
         "On real records, which form keeps how many digits, who breaks down, and is what compare names the best?",
@@ -154,184 +198,73 @@ Study const survey{
                .x_label = "prior variance c²",
                .y_label = "digits lost to the best",
                .where = {{"units", {"scaled"}}, {"prior", {"100", "16384", "1e+08"}}, {"word", long_words}}}},
-    .claims =
-        {
-            {"float, natural units: conventional loses definiteness in 30 to 80 % of a record's cells",
-             [](Table const& t) {
-                 Table const at = in(t, {"float"}).where("variant", "conventional").where("units", "natural");
-                 return within(at, {}, breaks_down, 0.3, 0.8);
-             },
-             own_result("set before the run")},
-            {"float, scaled: in 5 to 50 %",
-             [](Table const& t) {
-                 Table const at = in(t, {"float"}).where("variant", "conventional").where("units", "scaled");
-                 return within(at, {}, breaks_down, 0.05, 0.5);
-             },
-             own_result("set before the run")},
-            {"double: in at most 10 %",
-             [](Table const& t) {
-                 return within(in(t, {"double"}).where("variant", "conventional"), {}, breaks_down, 0, 0.1);
-             },
-             own_result("set before the run")},
-            {"factor forms, float and double: most records have no cell with a breakdown, for each form",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("variant", factored), {"variant", "word"},
-                               greatest("broken").over("record"), 0, 0);
-             },
-             own_result("docs/theory.md 34; set before the run")},
-            {"float and double: the median loss of ud is at most 0.5 digits",
-             [](Table const& t) { return within(in(t, long_words).where("variant", "ud"), {"word"}, loss, 0, 0.5); },
-             own_result("set before the run")},
-            {"and of carlson, qr, gentleman and inverse_qr 0.2 to 1.5",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("variant", {"carlson", "qr", "gentleman", "inverse_qr"}),
-                               {"variant", "word"}, loss, 0.2, 1.5);
-             },
-             own_result("set before the run")},
-            {"no other form has a median loss below that of ud",
-             [](Table const& t) {
-                 std::vector<std::string> others = plain;
-                 std::erase(others, "ud");
-                 std::vector<Judgement> parts;
-                 for (std::string const& other : others)
-                     parts.push_back(loses_more(in(t, long_words), other, "ud", 0, INFINITY));
-                 return together(parts);
-             },
-             own_result("set before the run")},
-            {"double, the proposed prior: symmetric loses 0.3 to 2.5 digits in the median",
-             [](Table const& t) {
-                 return within(proposed(in(t, {"double"})).where("variant", "symmetric"), {"units"}, loss, 0.3, 2.5);
-             },
-             own_result("set before the run")},
-            {"c^2 = 1e8, natural units: it loses 3 digits or more in double",
-             [](Table const& t) {
-                 Table const at = in(t, {"double"}).where("units", "natural").where("prior", 1e8);
-                 return within(at.where("variant", "symmetric"), {}, loss, 3, INFINITY);
-             },
-             own_result("set before the run")},
-            {"double, the proposed prior: in at least 60 % of cells every form keeps 6 digits of the worst component",
-             [](Table const& t) {
-                 Statistic const all_keep([](Table const& of) {
-                     double good = 0, cells = 0;
-                     for (auto const& [name, cell] : of.where("variant", plain).groups({"units", "lambda"})) {
-                         std::vector<double> const digits = cell.numbers("worst");
-                         good += std::ranges::all_of(digits, [](double x) { return x >= 6; }), ++cells;
-                     }
-                     return good / cells;
-                 });
-                 return within(proposed(in(t, {"double"})), {}, all_keep.as(Estimate::share).over("record"), 0.6, 1);
-             },
-             own_result("set before the run")},
-            {"binary16, natural units, C++'s default prior: every form breaks down in 30 to 90 % of cells",
-             [](Table const& t) {
-                 Statistic const all_break([](Table const& of) {
-                     double bad = 0, cells = 0;
-                     for (auto const& [name, cell] : of.where("variant", plain).groups({"lambda"}))
-                         bad += least("broken")(cell) > 0, ++cells;
-                     return bad / cells;
-                 });
-                 Table const at =
-                     in(t, {"binary16"}).where("units", "natural").where("prior", Prior<double>{}.variance);
-                 return within(at, {}, all_break.as(Estimate::share).over("record"), 0.3, 0.9);
-             },
-             own_result("set before the run")},
-            {"compare names a form in at least 75 % of cells in double and 30 % in float",
-             [](Table const& t) {
-                 auto const naming = [&](char const* word, double least_share) {
-                     Statistic const some([](Table const& of) {
-                         double named = 0;
-                         auto const cells = of.groups({"units", "prior", "lambda"});
-                         for (auto const& [name, cell] : cells) named += greatest("named")(cell) > 0;
-                         return named / double(cells.size());
-                     });
-                     return labelled(
-                         word, within(in(t, {word}), {}, some.as(Estimate::share).over("record"), least_share, 1));
-                 };
-                 return naming("double", 0.75) && naming("float", 0.3);
-             },
-             own_result("set before the run")},
-            {"what compare names loses at most half a digit in at least 95 % of these records' cells",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("named", 1.0), {"word"},
-                               of_records("loss", is_half_a_digit, Estimate::fixed), 0.95, 1);
-             },
-             own_result("the survey's goal; set before the run")},
-            {"named by the first half: at most half a digit in at least 70 % of cells of the whole",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("named_by_half", 1.0), {"word"}, hits, 0.7, 1);
-             },
-             own_result("set before the run")},
-            {"and at most one digit in at least 90 % of these records' cells",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("named_by_half", 1.0), {"word"},
-                               of_records("loss", is_a_digit, Estimate::fixed), 0.9, 1);
-             },
-             own_result("set before the run")},
-            {"and it breaks down in at most 2 % of them",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("named_by_half", 1.0), {"word"},
-                               of_records("broken", is_positive, Estimate::fixed), 0, 0.02);
-             },
-             own_result("set before the run")},
-            {"where the first half names a form, it is within half a digit not less often than ud always: by -3 to "
-             "30 %",
-             [](Table const& t) {
-                 Statistic const gain([](Table const& of) {
-                     double more = 0;
-                     auto const cells = of.groups({"units", "prior", "lambda"});
-                     double judged = 0;
-                     for (auto const& [name, cell] : cells) {
-                         Table const named = cell.where("named_by_half", 1.0);
-                         if (named.empty()) continue;
-                         more += is_half_a_digit(named.number("loss")), ++judged;
-                         more -= is_half_a_digit(cell.where("variant", "ud").number("loss"));
-                     }
-                     return judged > 0 ? more / judged : 0;
-                 });
-                 return within(in(t, long_words), {"word"}, gain.as(Estimate::mean).over("record"), -0.03, 0.3);
-             },
-             own_result("set before the run")},
-            {"float, c^2 = 1e8: scaled columns give symmetric one digit of the worst component or more",
-             [](Table const& t) {
-                 Statistic const gain([](Table const& of) {
-                     double const scaled = median("worst")(of.where("units", "scaled")),
-                                  natural = median("worst")(of.where("units", "natural"));
-                     return scaled == natural ? 0.0 : scaled - natural;
-                 });
-                 Table const at = in(t, {"float"}).where("prior", 1e8).where("variant", "symmetric");
-                 return within(at, {}, gain.over("record"), 1, INFINITY);
-             },
-             own_result("set before the run")},
-            {"float and double: the median loss of ud_delta is at most 0.4 digits, and -0.3 to 0.1 more than that of "
-             "ud",
-             [](Table const& t) {
-                 Table const at = in(t, long_words);
-                 return labelled("loss", within(at.where("variant", "ud_delta"), {"word"}, loss, 0, 0.4)) &&
-                        loses_more(at, "ud_delta", "ud", -0.3, 0.1);
-             },
-             own_result(with_deltas)},
-            {"carlson_delta and inverse_qr_delta lose 0 to 0.4 digits less than carlson and inverse_qr",
-             [](Table const& t) {
-                 Table const at = in(t, long_words);
-                 return loses_more(at, "carlson_delta", "carlson", -0.4, 0) &&
-                        loses_more(at, "inverse_qr_delta", "inverse_qr", -0.4, 0);
-             },
-             own_result(with_deltas)},
-            {"delta forms, float and double: most records have no cell with a breakdown, for each form",
-             [](Table const& t) {
-                 return within(in(t, long_words).where("variant", deltas), {"variant", "word"},
-                               greatest("broken").over("record"), 0, 0);
-             },
-             own_result(with_deltas)},
-            {"binary16, natural units, C++'s default prior: each delta form breaks down in 60 to 100 % of a record's "
-             "cells",
-             [](Table const& t) {
-                 Table const at =
-                     in(t, {"binary16"}).where("units", "natural").where("prior", Prior<double>{}.variance);
-                 return within(at.where("variant", deltas), {"variant"}, breaks_down, 0.6, 1);
-             },
-             own_result(with_deltas)},
-        },
-};
+    .claims = {
+        {"float, natural units: conventional loses definiteness in 30 to 80 % of a record's cells",
+         within(in({"float"}).where("variant", "conventional").where("units", "natural"), {}, breaks_down, 0.3, 0.8),
+         own_result("set before the run")},
+        {"float, scaled: in 5 to 50 %",
+         within(in({"float"}).where("variant", "conventional").where("units", "scaled"), {}, breaks_down, 0.05, 0.5),
+         own_result("set before the run")},
+        {"double: in at most 10 %", within(in({"double"}).where("variant", "conventional"), {}, breaks_down, 0, 0.1),
+         own_result("set before the run")},
+        {"factor forms, float and double: most records have no cell with a breakdown, for each form",
+         within(in(long_words).where("variant", factored), {"variant", "word"}, greatest("broken").over("record"), 0,
+                0),
+         own_result("docs/theory.md 34; set before the run")},
+        {"float and double: the median loss of ud is at most 0.5 digits",
+         within(in(long_words).where("variant", "ud"), {"word"}, loss, 0, 0.5), own_result("set before the run")},
+        {"and of carlson, qr, gentleman and inverse_qr 0.2 to 1.5",
+         within(in(long_words).where("variant", {"carlson", "qr", "gentleman", "inverse_qr"}), {"variant", "word"},
+                loss, 0.2, 1.5),
+         own_result("set before the run")},
+        {"no other form has a median loss below that of ud", no_other_loses_less(), own_result("set before the run")},
+        {"double, the proposed prior: symmetric loses 0.3 to 2.5 digits in the median",
+         within(in({"double"}).where("prior", "proposed").where("variant", "symmetric"), {"units"}, loss, 0.3, 2.5),
+         own_result("set before the run")},
+        {"c^2 = 1e8, natural units: it loses 3 digits or more in double",
+         within(in({"double"}).where("units", "natural").where("prior", 1e8).where("variant", "symmetric"), {}, loss, 3,
+                INFINITY),
+         own_result("set before the run")},
+        {"double, the proposed prior: in at least 60 % of cells every form keeps 6 digits of the worst component",
+         within(in({"double"}).where("prior", "proposed").where("variant", plain), {},
+                share_of_cells({"units", "lambda"}, all_keep_6_digits), 0.6, 1),
+         own_result("set before the run")},
+        {"binary16, natural units, C++'s default prior: every form breaks down in 30 to 90 % of cells",
+         within(short_word.where("variant", plain), {}, share_of_cells({"lambda"}, all_break_down), 0.3, 0.9),
+         own_result("set before the run")},
+        {"compare names a form in at least 75 % of cells in double and 30 % in float",
+         names_one("double", 0.75) && names_one("float", 0.3), own_result("set before the run")},
+        {"what compare names loses at most half a digit in at least 95 % of these records' cells",
+         within(in(long_words).where("named", 1.0), {"word"}, of_records("loss", is_half_a_digit, Estimate::fixed),
+                0.95, 1),
+         own_result("the survey's goal; set before the run")},
+        {"named by the first half: at most half a digit in at least 70 % of cells of the whole",
+         within(in(long_words).where("named_by_half", 1.0), {"word"}, hits, 0.7, 1), own_result("set before the run")},
+        {"and at most one digit in at least 90 % of these records' cells",
+         within(in(long_words).where("named_by_half", 1.0), {"word"}, of_records("loss", is_a_digit, Estimate::fixed),
+                0.9, 1),
+         own_result("set before the run")},
+        {"and it breaks down in at most 2 % of them",
+         within(in(long_words).where("named_by_half", 1.0), {"word"},
+                of_records("broken", is_positive, Estimate::fixed), 0, 0.02),
+         own_result("set before the run")},
+        {"where the first half names a form, it is within half a digit not less often than ud always: by -3 to 30 %",
+         within(in(long_words), {"word"}, gain_over_ud.over("record"), -0.03, 0.3), own_result("set before the run")},
+        {"float, c^2 = 1e8: scaled columns give symmetric one digit of the worst component or more",
+         within(in({"float"}).where("prior", 1e8).where("variant", "symmetric"), {}, gain_by_scaling.over("record"), 1,
+                INFINITY),
+         own_result("set before the run")},
+        {"float and double: the median loss of ud_delta is at most 0.4 digits, and -0.3 to 0.1 more than that of ud",
+         labelled("loss", within(in(long_words).where("variant", "ud_delta"), {"word"}, loss, 0, 0.4)) &&
+             loses_more("ud_delta", "ud", -0.3, 0.1),
+         own_result(with_deltas)},
+        {"carlson_delta and inverse_qr_delta lose 0 to 0.4 digits less than carlson and inverse_qr",
+         loses_more("carlson_delta", "carlson", -0.4, 0) && loses_more("inverse_qr_delta", "inverse_qr", -0.4, 0),
+         own_result(with_deltas)},
+        {"delta forms, float and double: most records have no cell with a breakdown, for each form",
+         within(in(long_words).where("variant", deltas), {"variant", "word"}, greatest("broken").over("record"), 0, 0),
+         own_result(with_deltas)},
+        {"binary16, natural units, C++'s default prior: each delta form breaks down in 60 to 100 % of a record's cells",
+         within(short_word.where("variant", deltas), {"variant"}, breaks_down, 0.6, 1), own_result(with_deltas)}}};
 
 }  // namespace rlslab::studies

@@ -38,10 +38,7 @@ Study toy(int fails = 0) {
             .source = "none",
             .formula = "",
             .interpretation = "",
-            .factors =
-                [](Budget) {
-                    return std::vector<Factor>{{"word", {"a", "b"}}, {"n", counted(20)}};
-                },
+            .factors = {{"word", {"a", "b"}}, {"n", counted(20)}},
             .measures = {"draw", "sum"},
             .measure =
                 [fails](Trial const& trial, TrialOutput& out) {

@@ -87,8 +87,29 @@ TEST(Findings, TogetherAreAsGoodAsTheWorst) {
     EXPECT_EQ((good && open).measured, "a; b");
     EXPECT_EQ((good && open).risk, 0.002);
     EXPECT_EQ(together({good, good, bad}).verdict, Verdict::fails);
-    EXPECT_EQ(together({}).verdict, Verdict::fails) << "a claim about nothing";
+    EXPECT_EQ(together(std::vector<Judgement>{}).verdict, Verdict::fails) << "a claim about nothing";
     EXPECT_EQ(labelled("P", good).measured, "P: a");
+}
+
+TEST(Rows, OfAClaimAreThoseOfItsTable) {
+    Table t({"word", "x"});
+    for (double const x : {1.0, 2.0, 3.0}) t.add({"a", x}), t.add({"b", -x});
+    EXPECT_THAT(where("word", "a").where("x", above(1))(t).numbers("x"), ElementsAre(2, 3));
+    EXPECT_THAT(all_rows.where("x", between(-2, 1))(t).numbers("x"), ElementsAre(1, -1, -2));
+    EXPECT_THAT(where("word", {"a", "c"}).where("x", below(2))(t).numbers("x"), ElementsAre(1));
+    EXPECT_THAT(where("x", at_least(2))(where("x", at_most(2))(t)).numbers("x"), ElementsAre(2));
+    Judge const judge = within(where("word", "a"), {}, greatest("x"), 0, 3) &&
+                        labelled("b", everywhere(where("word", "b").where("x", -1.0), "word", "a"));
+    EXPECT_EQ(judge(t).measured, "3; b: 0 of 1 are \"a\"");
+    EXPECT_EQ(judge(t).verdict, Verdict::fails);
+    EXPECT_EQ(together({within(all_rows, {"word"}, least("x"), -3, 1), judge})(t).measured,
+              "-3 (b) ... 1 (a); 3; b: 0 of 1 are \"a\"");
+}
+TEST(Rows, FactorsHaveOtherValuesAtTheQuickBudgetOrTheSame) {
+    Factors const factors{{"n", counted(3), counted(1)}, {"word", {"a", "b"}}};
+    EXPECT_EQ(factors(Budget::full)[0].values, counted(3));
+    EXPECT_EQ(factors(Budget::quick)[0].values, counted(1));
+    EXPECT_EQ(factors(Budget::quick)[1].values, factors(Budget::full)[1].values);
 }
 
 // --- saboteurs: over seeds, each predicate must be able to fail, to hold, and to say that it does not know -----------

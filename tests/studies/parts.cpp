@@ -28,10 +28,7 @@ Study study_of(std::string name, int trials, Measured& measured) {
             .source = "none",
             .formula = "",
             .interpretation = "",
-            .factors =
-                [trials](Budget) {
-                    return std::vector<Factor>{{"n", counted(trials)}};
-                },
+            .factors = {{"n", counted(trials)}},
             .measures = {"draw"},
             .measure =
                 [name, &measured](Trial const& trial, TrialOutput& out) {

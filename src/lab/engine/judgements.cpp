@@ -333,11 +333,13 @@ Judgement everywhere(Table const& table, std::string const& column, Cell const& 
     return out;
 }
 
+Verdict verdict_of(Interval const& shown, Interval const& band) {
+    return shown.outside(band) ? Verdict::fails : shown.inside(band) ? Verdict::holds : Verdict::undecided;
+}
+
 Judgement proportion(size_t hits, size_t runs, double from, double to) {
-    Interval const shown = proportion_interval(double(hits), double(runs), claim_risk), band{from, to};
-    return {runs == 0 || shown.outside(band) ? Verdict::fails
-            : shown.inside(band)             ? Verdict::holds
-                                             : Verdict::undecided,
+    Interval const shown = proportion_interval(double(hits), double(runs), claim_risk);
+    return {runs == 0 ? Verdict::fails : verdict_of(shown, {from, to}),
             fmt::format("{} of {}: [{:.3g}, {:.3g}]", hits, runs, shown.low, shown.high), claim_risk};
 }
 
@@ -356,5 +358,68 @@ Judgement labelled(std::string const& label, Judgement of) {
     of.measured = label + ": " + of.measured;
     return of;
 }
+
+Judge operator&&(Judge a, Judge b) {
+    return [=](Table const& table) { return a(table) && b(table); };
+}
+Judge together(std::vector<Judge> parts) {
+    return [=](Table const& table) {
+        std::vector<Judgement> all;
+        for (Judge const& part : parts) all.push_back(part(table));
+        return together(all);
+    };
+}
+Judge labelled(std::string label, Judge of) {
+    return [=](Table const& table) { return labelled(label, of(table)); };
+}
+
+namespace {
+template <class Holds>
+Selection restricted(Selection const& rows, std::string const& column, Holds const& holds) {
+    return [=](Table const& table) { return rows(table).where(column, holds); };
+}
+}  // namespace
+Selection Selection::where(std::string column, Cell value) const { return restricted(*this, column, value); }
+Selection Selection::where(std::string column, std::function<bool(double)> holds) const {
+    return restricted(*this, column, holds);
+}
+Selection Selection::where(std::string column, std::vector<std::string> words) const {
+    return restricted(*this, column, words);
+}
+Judge Selection::judged(Judge by) const {
+    return [rows = *this, by](Table const& table) { return by(rows(table)); };
+}
+std::function<bool(double)> at_most(double x) {
+    return [=](double y) { return y <= x; };
+}
+std::function<bool(double)> at_least(double x) {
+    return [=](double y) { return y >= x; };
+}
+std::function<bool(double)> below(double x) {
+    return [=](double y) { return y < x; };
+}
+std::function<bool(double)> above(double x) {
+    return [=](double y) { return y > x; };
+}
+std::function<bool(double)> between(double from, double to) {
+    return [=](double y) { return from <= y && y <= to; };
+}
+
+Judge within(Selection const& rows, std::vector<std::string> const& by, Statistic const& number, double from,
+             double to) {
+    return rows.judged([=](Table const& table) { return within(table, by, number, from, to); });
+}
+Judge everywhere(Selection const& rows, std::string const& column, Cell const& value, Estimate seeds) {
+    return rows.judged([=](Table const& table) { return everywhere(table, column, value, seeds); });
+}
+
+Factors::Factors(std::initializer_list<Factor> list)
+    : of_([own = std::vector<Factor>(list)](Budget budget) {
+          std::vector<Factor> out = own;
+          for (Factor& factor : out)
+              if (auto quick = std::exchange(factor.quick, {}); budget == Budget::quick && !quick.empty())
+                  factor.values = std::move(quick);
+          return out;
+      }) {}
 
 }  // namespace rlslab::studies

@@ -86,6 +86,47 @@ Judgement within(Table const& table, std::vector<std::string> const& by, Statist
 /// proven, as in `within`. A table without a column of replicates is judged by its rows alone.
 Judgement everywhere(Table const& table, std::string const& column, Cell const& value, Estimate seeds = Estimate::most);
 
+/// Rows of a table: all of them, or those that Table::where leaves, once or several times. A claim is made of one before
+/// there is a table.
+class Selection {
+    std::function<Table(Table const&)> of_ = [](Table const& table) { return table; };
+
+public:
+    Selection() = default;
+    template <std::invocable<Table const&> F>
+    Selection(F of) : of_(std::move(of)) {}
+
+    Table operator()(Table const& table) const { return of_(table); }
+    Selection where(std::string column, Cell value) const;
+    Selection where(std::string column, std::function<bool(double)> holds) const;
+    Selection where(std::string column, std::vector<std::string> words) const;
+    /// Judges these rows.
+    Judge judged(Judge by) const;
+};
+inline Selection const all_rows;
+/// The same of all rows.
+inline Selection where(std::string column, Cell value) { return all_rows.where(std::move(column), std::move(value)); }
+inline Selection where(std::string column, std::function<bool(double)> holds) {
+    return all_rows.where(std::move(column), std::move(holds));
+}
+inline Selection where(std::string column, std::vector<std::string> words) {
+    return all_rows.where(std::move(column), std::move(words));
+}
+/// For `where`: the numbers up to x, from x on, below it, above it, and in [from, to].
+std::function<bool(double)> at_most(double x);
+std::function<bool(double)> at_least(double x);
+std::function<bool(double)> below(double x);
+std::function<bool(double)> above(double x);
+std::function<bool(double)> between(double from, double to);
+
+/// `within` and `everywhere` of the selected rows of the table that a claim is judged by.
+Judge within(Selection const& rows, std::vector<std::string> const& by, Statistic const& number, double from,
+             double to);
+Judge everywhere(Selection const& rows, std::string const& column, Cell const& value, Estimate seeds = Estimate::most);
+
+/// holds: the interval lies inside the band; fails: outside of it.
+Verdict verdict_of(Interval const& shown, Interval const& band);
+
 /// Judges that a probability lies in [from, to], from `hits` hits in independent `runs`, by the interval of Clopper &
 /// Pearson.
 Judgement proportion(size_t hits, size_t runs, double from, double to);

@@ -111,9 +111,9 @@ Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
 }
 
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
-    auto const error = [](double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; };
-    return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
+    return {error_of(exact.theta_digits(filter.theta())), error_of(exact.covariance_digits(filter.stored()))};
 }
+double error_of(double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; }
 
 void process_rows(AnyFilter& filter, Records const& records, Index first, Index last) {
     filter.update_block(records, first, last);
@@ -123,6 +123,47 @@ Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
     return covariance_of(stored, [](Matrix<Reference> const& X) {
         return X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
     });
+}
+
+InDouble::InDouble(Problem<double> const& problem)
+    : lambda(problem.forgetting), P(problem.prior->variance * Matrix<double>::Identity(problem.size, problem.size)),
+      M(Matrix<double>::Identity(problem.size, problem.size) / problem.prior->variance),
+      theta(Vector<double>::Zero(problem.size)), f(theta) {}
+void InDouble::take(Records const& records, Index k) {
+    Index const d = theta.size();
+    double s = lambda, e = records.y[k];
+    for (Index i = 0; i < d; ++i) {
+        f[i] = 0;
+        for (Index j = 0; j < d; ++j) f[i] += P(i, j) * records.psi(j, k);
+        s += records.psi(i, k) * f[i];
+        e -= records.psi(i, k) * theta[i];
+    }
+    for (Index i = 0; i < d; ++i) {
+        theta[i] += f[i] / s * e;
+        for (Index j = 0; j <= i; ++j) {
+            P(i, j) = P(j, i) = (P(i, j) - f[i] * f[j] / s) / lambda;
+            M(i, j) = M(j, i) = lambda * M(i, j) + records.psi(i, k) * records.psi(j, k);
+        }
+    }
+}
+double largest_eigenvalue(Matrix<double> const& A, int steps) {
+    Index const d = A.rows();
+    std::vector<double> x(size_t(d), 1.0), y(x);
+    x[0] = 1.25;  // not orthogonal to the eigenvector by symmetry
+    double value = 0;
+    for (int n = 0; n < steps; ++n) {
+        double squares = 0, along = 0;
+        for (Index i = 0; i < d; ++i) {
+            y[size_t(i)] = 0;
+            for (Index j = 0; j < d; ++j) y[size_t(i)] += A(i, j) * x[size_t(j)];
+            squares += x[size_t(i)] * x[size_t(i)];
+            along += x[size_t(i)] * y[size_t(i)];
+        }
+        value = along / squares;
+        double const length = std::sqrt(squares) * value;
+        for (Index i = 0; i < d; ++i) x[size_t(i)] = y[size_t(i)] / length;
+    }
+    return value;
 }
 
 double frobenius(Matrix<Reference> const& A) {

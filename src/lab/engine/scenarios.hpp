@@ -57,12 +57,27 @@ struct Errors {
     double theta, covariance;
 };
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
+/// 10^-digits; infinity for NaN.
+double error_of(double digits);
 
 /// Feeds rows [first, last): in blocks if the variant takes blocks, otherwise one by one.
 void process_rows(AnyFilter& filter, Records const& records, Index first, Index last);
 
 /// P in the 257 bits of Reference: F itself, a product of factors, or an inverse.
 Matrix<Reference> covariance_of(Stored<Reference> const& stored);
+/// P and P^-1 in binary64 by the textbook recursion in order: a filter in a short word is compared with it.
+struct InDouble {
+    double lambda;
+    Matrix<double> P, M;  ///< M = P^-1
+    Vector<double> theta, f;
+
+    explicit InDouble(Problem<double> const& problem);
+    void take(Records const& records, Index k);
+};
+/// The largest eigenvalue of a symmetric A >= 0 by so many steps of the power method. Where they have not told it from
+/// the next, the two differ by a few per cent, and the answer lies between them.
+double largest_eigenvalue(Matrix<double> const& A, int steps);
+
 /// ||A||_F.
 double frobenius(Matrix<Reference> const& A);
 

@@ -5,6 +5,8 @@
 
 #include <rlslab/catalogue/any_filter.hpp>
 
+#include <concepts>
+
 namespace rlslab::studies {
 
 /// quick: seconds, for tests. full: the numbers that are quoted.
@@ -14,6 +16,17 @@ std::string_view name_of(Budget budget);
 struct Factor {
     std::string name;
     std::vector<Cell> values;
+    std::vector<Cell> quick = {};  ///< at the quick budget; the same if empty
+};
+/// A list, or a function of the budget that makes one.
+class Factors {
+    std::function<std::vector<Factor>(Budget)> of_;
+
+public:
+    Factors(std::initializer_list<Factor> list);
+    template <std::invocable<Budget> F>
+    Factors(F of) : of_(std::move(of)) {}
+    std::vector<Factor> operator()(Budget budget) const { return of_(budget); }
 };
 
 /// One combination of the factors' values: the unit of work, of parallelism and of resuming. Its results depend only on
@@ -140,9 +153,15 @@ Judgement together(std::vector<Judgement> const& parts);
 /// Puts "label: " before the measurement.
 Judgement labelled(std::string const& label, Judgement of);
 
+/// How a claim is judged by the study's table; the same three of such.
+using Judge = std::function<Judgement(Table const&)>;
+Judge operator&&(Judge a, Judge b);
+Judge together(std::vector<Judge> parts);
+Judge labelled(std::string label, Judge of);
+
 struct Claim {
     std::string text;
-    std::function<Judgement(Table const&)> judge;
+    Judge judge;
     Basis basis;
 };
 
@@ -153,7 +172,7 @@ struct Study {
     std::string formula;         ///< LaTeX; \\ separates lines
     std::string interpretation;  ///< the result, and its differences from publications
     std::string data = {};       ///< the models of data of its claims
-    std::function<std::vector<Factor>(Budget)> factors;
+    Factors factors;
     std::function<bool(Trial const&)> admits = {};  ///< combinations that make sense; all if empty
     std::vector<std::string> measures;              ///< the columns behind the factors
     std::function<void(Trial const&, TrialOutput&)> measure;
