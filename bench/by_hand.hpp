@@ -1,5 +1,5 @@
 // Updates of fixed size as an engineer writes them: loops over arrays, no report, no capacity for anything else. They
-// sum and divide in the library's order, so that theta has its bits (tests/bench/by_hand.cpp).
+// sum and divide in the library's order, so that theta has its bits (tests/bench/baseline.cpp).
 #pragma once
 
 #include <rlslab/core/problem.hpp>

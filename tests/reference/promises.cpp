@@ -1,7 +1,16 @@
-// What `certified` promises, with enclosures that are just too wide; radii and digits of enclosures made by hand.
+// What `certified` promises, with enclosures that are just too wide; radii and digits of enclosures made by hand. Where
+// it stops, and what it decides there: the largest precision, and a solution of exactly zero. Tails and quantiles.
+#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/random.hpp>
+#include <rlslab/reference/balls.hpp>
+#include <rlslab/reference/certified.hpp>
+#include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/enclosure.hpp>
 
 #include <gtest/gtest.h>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/students_t.hpp>
 
 namespace rlslab {
 namespace {
@@ -170,6 +179,157 @@ TEST(ReferencePromise, HoldsOfWhatIsCertified) {
                         EXPECT_EQ(e.rank(), 2);
                     }
                 }
+}
+
+// --- the largest precision, and zero ---------------------------------------------------------------------------------
+
+/// Rows (x, x) -> y: the difference of the two parameters is known from the prior alone.
+Records twins(Index rows) {
+    Records data{.psi = Eigen::MatrixXd(2, rows), .y = Vector<double>(rows), .names = {}};
+    for (Index k = 0; k < rows; ++k) {
+        data.psi.col(k).setConstant(double(k % 5) - 2);
+        data.y[k] = double(k % 3);
+    }
+    return data;
+}
+
+TEST(Certified, AllOf65536BitsAreTried) {
+    // The prior is 2^-52000 of the data: between three quarters of 2^16 bits and all of them.
+    CertifiedSolution const exact = certified({.size = 2, .forgetting = 0.5}, twins(52000), {52000}).front();
+    EXPECT_EQ(exact.status(), Status::certified);
+    EXPECT_EQ(exact.bits(), 65536);
+    EXPECT_EQ(certified({.size = 2, .forgetting = 0.5}, twins(66000), {66000}).front().status(), Status::unresolved);
+}
+
+/// One row that carries theta0 to exactly zero (`off` = 0), and the inverse of P0 is no binary fraction.
+struct ToZero {
+    Problem<double> problem;
+    Records data;
+};
+ToZero one_parameter(double off) {
+    Records data{.psi = Eigen::MatrixXd::Constant(1, 1, 1), .y = Vector<double>::Constant(1, -1 + off), .names = {}};
+    return {{.size = 1, .prior = Prior<double>{.variance = 3, .theta = Vector<double>::Constant(1, 3)}}, data};
+}
+ToZero two_parameters(double lambda, double off) {  // P0^-1 = [2 -1; -1 5] / 9
+    Matrix<double> const P0 = (Matrix<double>(2, 2) << 5, 1, 1, 2).finished();
+    Vector<double> const s = Eigen::Vector2d(-3, 4), theta = P0 * s;
+    Records data{.psi = Eigen::MatrixXd::Identity(2, 2), .y = -s, .names = {}};
+    data.y[0] *= lambda;  // two rows: the prior weighs lambda^2, the first row lambda
+    data.y[1] *= lambda * lambda;
+    data.y[1] += off;
+    return {{.size = 2, .forgetting = lambda, .prior = Prior<double>{.theta = theta, .covariance = P0}}, data};
+}
+
+TEST(Certified, ZeroIsCertifiedUnderAnInexactPrior) {
+    for (ToZero const& to : {one_parameter(0), two_parameters(1, 0), two_parameters(0.5, 0), two_parameters(0.75, 0)}) {
+        Index const k = to.data.rows();
+        CertifiedSolution const exact = certified(to.problem, to.data, {k}).front();
+        ASSERT_EQ(exact.status(), Status::certified) << k << " " << to.problem.forgetting;
+        EXPECT_EQ(exact.radius(), 0);
+        for (Reference const& x : exact.theta()) EXPECT_EQ(x, 0);
+        for (std::string const& text : exact.theta_strings()) EXPECT_EQ(text, "0");
+        EXPECT_EQ(exact.theta_digits(Vector<Reference>::Zero(k)), std::numeric_limits<double>::infinity());
+        EXPECT_EQ(exact.theta_digits(Vector<Reference>::Ones(k)), -std::numeric_limits<double>::infinity());
+        EXPECT_LT(exact.covariance_radius(), 1e-30);
+    }
+}
+
+TEST(Certified, NearlyZeroIsNotZero) {
+    for (double const off : {0x1p-40, -0x1p-50})
+        for (ToZero const& to : {one_parameter(off), two_parameters(1, off), two_parameters(0.5, off)}) {
+            CertifiedSolution const exact = certified(to.problem, to.data, {to.data.rows()}).front();
+            ASSERT_EQ(exact.status(), Status::certified);
+            EXPECT_LT(exact.radius(), 1e-30);
+            EXPECT_GT(exact.radius(), 0);
+            EXPECT_NE(exact.theta()[to.data.rows() - 1], 0);
+        }
+}
+
+/// Columns of both signs of which the third is the difference of the first two: their magnitudes are independent.
+TEST(Certified, ARankIsThatOfTheSignedNumbers) {
+    Records data{.psi = Eigen::MatrixXd(3, 12), .y = Vector<double>::Ones(12), .names = {}};
+    for (Index k = 0; k < 12; ++k) {
+        double const a = double(k * 7 % 11) - 5, b = double(k * 5 % 9) - 4;
+        data.psi.col(k) << a, b, a - b;
+    }
+    CertifiedSolution const singular = certified({.size = 3, .prior = std::nullopt}, data, {12}).front();
+    EXPECT_EQ(singular.status(), Status::singular);
+    EXPECT_EQ(singular.rank(), 2);
+    data.psi(2, 11) += 0x1p-30;
+    EXPECT_EQ(certified({.size = 3, .prior = std::nullopt}, data, {12}).front().status(), Status::certified);
+}
+
+/// 2^-t <= 10^-digits for t = bits(digits), and hardly more, where digits log2(10) is just above a whole number:
+/// denominators of its continued fraction.
+template <class Bits>
+bool suffice(Bits bits) {
+    Reference const log2_10 = log(Reference(10)) / log(Reference(2));
+    for (long const digits : {1L, 30L, 28L, 146L, 4004L, 12655L, 76573L, 1838395L, 13456039L, 44240665L, 579001193L}) {
+        Reference const t = digits * log2_10, given = bits(digits);
+        if (given < t || given > t * (1 + Reference(1e-9)) + 1) return false;
+    }
+    return true;
+}
+TEST(Certified, BitsForDigitsSuffice) {
+    EXPECT_TRUE(suffice(&balls::bits_for));
+    EXPECT_FALSE(suffice([](long digits) { return long(std::ceil(double(digits) * 3.3219280948873624)); }))
+        << "log2(10) to nearest";
+    EXPECT_FALSE(suffice([](long digits) { return balls::bits_for(digits) + 1; }));
+}
+
+// --- tails and quantiles against closed forms in 257 bits, and against another library -------------------------------
+
+double nearest(Reference const& x) { return static_cast<double>(x); }
+
+TEST(Distributions, AreTheirClosedFormsToTheLastBit) {
+    Seed seed{8};
+    Reference const pi = 4 * atan(Reference(1));
+    for (int k = 0; k < 60; ++k) {
+        double const x = 30 * seed.uniform(), n = 1 + double(seed.next() % 40), p = seed.uniform();
+        EXPECT_EQ(correctly::chi_squared_tail(2, x), nearest(exp(-Reference(x) / 2)));
+        EXPECT_EQ(correctly::chi_squared_tail(4, x), nearest(exp(-Reference(x) / 2) * (1 + Reference(x) / 2)));
+        EXPECT_EQ(correctly::fisher_tail(2, n, x), nearest(pow(1 + 2 * Reference(x) / n, Reference(-n / 2))))
+            << x << " " << n;
+        EXPECT_EQ(correctly::student_quantile(1, p), nearest(tan(pi * (Reference(p) - Reference(0.5))))) << p;
+        Reference const a = 2 * Reference(p) - 1;
+        EXPECT_EQ(correctly::student_quantile(2, p), nearest(a / sqrt(2 * Reference(p) * (1 - Reference(p))))) << p;
+    }
+}
+TEST(Distributions, AgreeWithBoost) {
+    Seed seed{9};
+    for (int k = 0; k < 40; ++k) {
+        double const n = 1 + 400 * seed.uniform(), m = 1 + 30 * seed.uniform(), x = 3 * seed.uniform(),
+                     p = 0.9 + 0.099 * seed.uniform();
+        double const tail = cdf(complement(boost::math::chi_squared(n), n * x)),
+                     f = cdf(complement(boost::math::fisher_f(m, n), x));
+        EXPECT_NEAR(correctly::chi_squared_tail(n, n * x) / tail, 1, 1e-11) << n << " " << x;
+        EXPECT_NEAR(correctly::fisher_tail(m, n, x) / f, 1, 1e-11) << m << " " << n << " " << x;
+        EXPECT_NEAR(correctly::student_quantile(n, p) / quantile(boost::math::students_t(n), p), 1, 1e-11)
+            << n << " " << p;
+    }
+}
+TEST(Distributions, OfManyDegreesOfFreedom) {
+    for (double const n : {1e4, 1e6, 123456.75}) {
+        EXPECT_NEAR(correctly::student_quantile(n, 0.975) / quantile(boost::math::students_t(n), 0.975), 1, 1e-11) << n;
+        EXPECT_NEAR(correctly::fisher_tail(2, n, 3.5) / cdf(complement(boost::math::fisher_f(2, n), 3.5)), 1, 1e-11)
+            << n;
+        EXPECT_NEAR(correctly::chi_squared_tail(n, n) / cdf(complement(boost::math::chi_squared(n), n)), 1, 1e-9) << n;
+    }
+    EXPECT_EQ(correctly::fisher_tail(2, 1e6, 1e9), 0) << "far below the least number";
+}
+TEST(Distributions, EndsAndMisuse) {
+    double const inf = std::numeric_limits<double>::infinity(), none = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(correctly::chi_squared_tail(3, 0), 1);
+    EXPECT_EQ(correctly::chi_squared_tail(3, inf), 0);
+    EXPECT_EQ(correctly::fisher_tail(2, 3, -1), 1);
+    EXPECT_EQ(correctly::fisher_tail(2, 3, inf), 0);
+    EXPECT_EQ(correctly::student_quantile(5, 0.5), 0);
+    EXPECT_EQ(correctly::student_quantile(5, 0.25), -correctly::student_quantile(5, 0.75));
+    for (double const x :
+         {correctly::chi_squared_tail(0, 1), correctly::chi_squared_tail(2, none), correctly::fisher_tail(none, 2, 1),
+          correctly::fisher_tail(1, -2, 1), correctly::student_quantile(3, 1), correctly::student_quantile(3, 0),
+          correctly::student_quantile(none, 0.9)})
+        EXPECT_NE(x, x);
 }
 
 }  // namespace
