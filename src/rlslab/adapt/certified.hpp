@@ -8,6 +8,7 @@
 #include <rlslab/core/random.hpp>
 
 #include <array>
+#include <span>
 #include <tuple>
 
 namespace rlslab {
@@ -206,6 +207,14 @@ struct CovarianceTimes {
         }
     }
 
+    /// Of a form that only the run knows.
+    template <class Form>
+        requires requires(Form f, CovarianceTimes<std::span<Numbers>>& times) { times_covariance(f, times); }
+    void operator()(Form f) {
+        std::span<Numbers> vectors(m);
+        CovarianceTimes<std::span<Numbers>> times{vectors, column, t};
+        times_covariance(f, times);
+    }
     template <class T, int N, class Storage>
     void operator()(PlainCovariance<T, N, Storage> f) {
         full(f.P, false);
@@ -239,7 +248,28 @@ struct CovarianceTimes {
         solve(f.L, [&](Index j) { return widened<L>(f.D[j]); });
     }
 };
+/// lambda of the next row. Where only the run knows the form, it tells.
+template <class Form>
+auto forgetting_of(Form f) {
+    if constexpr (requires { f.lambda; }) return f.lambda;
+    else return forgetting(f);
+}
+/// How many probes f has, or what f is around; 0: none.
+template <class F>
+Index probes_of(F const& f) {
+    if constexpr (requires { F::probe_count; }) return F::probe_count;
+    else if constexpr (requires { f.probe_count(); }) return f.probe_count();
+    else if constexpr (requires { f.filter(); }) return probes_of(f.filter());
+    else return 0;
+}
 }  // namespace detail
+
+/// Has a P that a probe can be multiplied by, and a lambda.
+template <class F>
+concept Certifiable = NamesItsForm<F> && requires(F& f, detail::CovarianceTimes<std::span<StateVector<double>>> times) {
+    times(f.form());
+    detail::forgetting_of(f.form());
+};
 
 /// What a check found; of packs in each lane. In the unit of each parameter, which is 2^round(log2 sqrt(P_jj)) of P0, or
 /// 1 without a prior. With E = Phat P^-1 - I, Phat what the filter stores and P that of exact arithmetic:
@@ -275,7 +305,7 @@ struct Certificate {
 /// F's bits are as without probes. Cost of a row 3 d (s + 1) multiplications, of a check 2 (s + 1) passes over what is
 /// stored; memory 3 d (s + 1) numbers of L. Allocates when it is made, and never again (F allowing).
 /// Throws std::invalid_argument as F. Source: Freivalds 1977 for products; derived (docs/certificate.md).
-template <NamesItsForm F, int probes = 3, class L = typename detail::ProbeOf<typename F::scalar>::type>
+template <Certifiable F, int probes = 3, class L = typename detail::ProbeOf<typename F::scalar>::type>
     requires(probes >= 1)
 class Certified : public detail::AroundFilter<F> {
     using T = typename F::scalar;
@@ -290,6 +320,7 @@ class Certified : public detail::AroundFilter<F> {
     StateVector<T, N> theta_;
 
 public:
+    static constexpr Index probe_count = probes;
     static constexpr double risk = [] {  ///< that ||E||_F is above the bound of one check
         double out = 1;
         for (int i = 0; i < probes; ++i) out *= 0.08;
@@ -329,7 +360,7 @@ public:
     }
     /// In two steps (look.hpp): the probes take what is committed.
     Innovation<T> look(Regressor<T> psi, T y)
-        requires LooksFirst<F>
+        requires requires(F& f, Innovation<T> row) { f.look(psi, y), detail::commit(f, row, psi, y); }
     {
         return filter_.look(psi, y);
     }
@@ -348,8 +379,7 @@ public:
 
     /// (4) and (5). Of a const filter a copy answers, which allocates as F does.
     Certificate<L> certificate() {
-        probes_.settle();
-        m_ = probes_.m;
+        for (std::size_t i = 0; i <= probes; ++i) scale(probes_.m[i], probes_.weight, m_[i]);
         detail::CovarianceTimes<Vectors>{m_, c_, t_}(filter_.form());
         detail::theta_of(filter_, theta_);
         L sum(0), largest(0), apart(0), length(0);
@@ -377,7 +407,7 @@ public:
 private:
     void take(Regressor<T> psi, T const& y) {
         expects(psi.size() == unit_.size(), "a regressor of the problem's size");
-        probes_.discount(detail::widened<L>(filter_.form().lambda));  // (3)
+        probes_.discount(detail::widened<L>(detail::forgetting_of(filter_.form())));  // (3)
         probes_.add(psi, y, L(1));
     }
 };
