@@ -16,7 +16,7 @@ sections = [
     ("A problem, a row, a step", [("src/rlslab/core/problem.hpp", "Problem Prior Step Health Regressor")]),
     ("A guard", [("src/rlslab/adapt/guard.hpp", "Guarded"),
                  ("src/rlslab/adapt/guard_signal.hpp", "GuardSignal GuardCountsOf"),
-                 ("src/rlslab/adapt/guard_policy.hpp", "GuardPolicy Action GuardOptions")]),
+                 ("src/rlslab/adapt/guard_policy.hpp", "GuardPolicy Action GuardOptions GuardedDigits")]),
     ("A window", [("src/rlslab/adapt/window.hpp", "Windowed WindowOptions")]),
     ("Rules of forgetting", [("src/rlslab/adapt/forgetting.hpp", "Forgetting ConstantForgetting Fortescue Kulhavy "
                               "CaoSchwartz RotatingRidge CovarianceReset RandomWalk")]),
@@ -24,6 +24,7 @@ sections = [
                       ("src/rlslab/adapt/outputs.hpp",
                        "MultiOutput MissingOutput"), ("src/rlslab/adapt/assessed.hpp",
                        "Assessed AssessedOptions Interval"),
+                      ("src/rlslab/adapt/certified.hpp", "Certified Certificate"),
                       ("src/rlslab/adapt/delay_line.hpp", "DelayLine"),
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
     ("Coloured noise", [("src/rlslab/adapt/extended_least_squares.hpp", "ExtendedLeastSquares"),
@@ -38,7 +39,7 @@ sections = [
                                  ("src/rlslab/many/fleet_steps.hpp", "FleetSteps FleetCounts"),
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
-    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts")]),
+    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate")]),
     ("A study of your own", [("src/lab/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
                               "Verdict Judgement ()"), ("src/lab/engine/table.hpp", "Table ()"),
                              ("src/lab/engine/judgements.hpp", "Estimate ()"),
@@ -47,7 +48,7 @@ sections = [
 left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords LaneRows LaneRecord RowsFromTo MpiRanks Encoding FilterEach SharedFilter
-OfOneRegressor
+OfOneRegressor NoProbes ProbeOf Probes ProbedForm CovarianceTimes
 """.split()
 
 

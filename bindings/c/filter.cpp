@@ -1,6 +1,7 @@
 // One filter from C: rlslab_filter is a native::Filter.
 #include "bindings/c/border.hpp"
 
+#include <algorithm>
 #include <new>
 
 using namespace rlslab;
@@ -54,11 +55,21 @@ rlslab_status numbers(rlslab_filter const* filter, double* out, rlslab_status re
 
 rlslab_status rlslab_new(char const* variant, char const* arithmetic, rlslab_options const* options,
                          rlslab_filter** out) {
+    return rlslab_new_certified(variant, arithmetic, options, 0, out);
+}
+rlslab_status rlslab_new_certified(char const* variant, char const* arithmetic, rlslab_options const* options,
+                                   std::size_t probes, rlslab_filter** out) {
     if (!out) return null_among({{"out", out}});
     *out = nullptr;
     Request const request{variant, arithmetic, options};
     if (rlslab_status const status = request.readable()) return status;
-    return guarded([&] { *out = handle(native::make(variant, arithmetic, request.read())); }, request.refused());
+    return guarded(
+        [&] {
+            native::Options read = request.read();
+            read.certify = native::Index(std::min(probes, std::size_t(PTRDIFF_MAX)));
+            *out = handle(native::make(variant, arithmetic, read));
+        },
+        request.refused());
 }
 rlslab_status rlslab_copy(rlslab_filter const* filter, rlslab_filter** out) {
     if (!out) return null_among({{"out", out}});
@@ -105,6 +116,15 @@ rlslab_status rlslab_covariance(rlslab_filter const* filter, double* out) {
 }
 rlslab_status rlslab_information(rlslab_filter const* filter, double* out) {
     return numbers<&native::Filter::information>(filter, out, RLSLAB_ABILITY);
+}
+rlslab_status rlslab_certificate(rlslab_filter const* filter, double* out) {
+    if (!filter || !out) return null_among({{"filter", filter}, {"out", out}});
+    return guarded(
+        [&] {
+            native::Certificate const found = of(filter).certificate();
+            out[0] = found.estimate, out[1] = found.bound, out[2] = found.theta;
+        },
+        RLSLAB_ABILITY);
 }
 std::int32_t rlslab_health(rlslab_filter const* filter) { return filter ? of(filter).health() : -1; }
 std::int32_t rlslab_signal(rlslab_filter const* filter) { return filter ? of(filter).signal() : -1; }

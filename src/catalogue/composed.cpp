@@ -26,6 +26,12 @@ public:
 
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Composed>(*this); }
     CompositionCounts counts() const override { return filter_.filter().composition_counts(); }
+    std::optional<Certificate<double>> certificate() const override {
+        if (filter_.filter().probe_count() == 0) return {};
+        auto const found = filter_.filter().certificate();
+        return Certificate<double>{in_double(found.estimate), in_double(found.bound), in_double(found.theta),
+                                   found.definite};
+    }
     double noise_variance() const override {
         return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan("");
     }

@@ -4,7 +4,10 @@
 #include <rlslab/catalogue/composition.hpp>
 
 #include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/certified.hpp>
 #include <rlslab/catalogue/any_filter.hpp>
+
+#include <optional>
 
 namespace rlslab {
 
@@ -12,6 +15,8 @@ namespace rlslab {
 class ComposedFilter : public AnyFilter {
 public:
     virtual CompositionCounts counts() const = 0;
+    /// What its probes find; absent where it has none.
+    virtual std::optional<Certificate<double>> certificate() const = 0;
     /// Of Assessed, rounded to binary64: the noise's variance, theta_j +- q deviations, the next output +- q
     /// deviations. Deviations are NaN until the noise is known, and of a variant that shows no state (`kalman` and
     /// `extended_qr` with `constant`).

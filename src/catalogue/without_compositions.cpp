@@ -9,7 +9,7 @@ namespace rlslab {
 
 std::unique_ptr<ComposedFilter> composed(Composition const&, std::string_view, std::string_view,
                                          Problem<double> const&) {
-    throw InputError("--control, --window, --guard, --digits: not in this program: use rlslab");
+    throw InputError("--control, --window, --guard, --digits, --certify: not in this program: use rlslab");
 }
 
 std::vector<CatalogueEntry> const* entries_at_run_time(std::string_view, std::string_view) { return nullptr; }

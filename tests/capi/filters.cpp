@@ -142,6 +142,41 @@ TEST(Filters, ACopyGoesOnAloneAndAResetBeginsAnew) {
     EXPECT_EQ(state_of(filter.get()), start);
 }
 
+TEST(Filters, CertificatesAreThoseOfTheNativeLayer) {
+    auto const psi = numbers(rows * d, 11), y = numbers(rows, 12);
+    rlslab_options options = options_of(d, 0.98);
+    options.guard = "reset", options.window = 40;
+    for (std::size_t const probes : {1, 3, 6}) {
+        rlslab_filter* made = nullptr;
+        ASSERT_EQ(rlslab_new_certified("ud", "float", &options, probes, &made), RLSLAB_OK) << rlslab_message();
+        FilterHandle const filter(made), plain = filter_of("ud", "float", options);
+        auto const expected = native::make(
+            "ud", "float",
+            {.size = d, .forgetting = 0.98, .window = 40, .guard = "reset", .certify = native::Index(probes)});
+        rlslab_update_many(made, psi.data(), rows, d, y.data(), nullptr);
+        rlslab_update_many(plain.get(), psi.data(), rows, d, y.data(), nullptr);
+        expected->update_many(psi.data(), rows, d, y.data(), nullptr);
+        EXPECT_EQ(theta_of(made), theta_of(plain.get()));
+        std::vector<std::byte> const state = state_of(made);
+        double out[3];
+        ASSERT_EQ(rlslab_certificate(made, out), RLSLAB_OK);
+        native::Certificate const c = expected->certificate();
+        EXPECT_THAT(out, ElementsAre(c.estimate, c.bound, c.theta));
+        EXPECT_TRUE(0 < out[0] && out[0] <= out[1] && out[1] < 1e-3) << out[1];
+        EXPECT_EQ(state_of(made), state);
+        rlslab_filter* alike = nullptr;
+        ASSERT_EQ(rlslab_from_state(state.data(), state.size(), &alike), RLSLAB_OK) << rlslab_message();
+        FilterHandle const found(alike);
+        double of_state[3];
+        ASSERT_EQ(rlslab_certificate(alike, of_state), RLSLAB_OK);
+        EXPECT_THAT(of_state, ElementsAre(out[0], out[1], out[2]));
+    }
+    rlslab_filter* none = nullptr;
+    ASSERT_EQ(rlslab_new_certified("ud", "double", &options, 0, &none), RLSLAB_OK);
+    FilterHandle const without(none);
+    EXPECT_EQ(state_of(none), state_of(filter_of("ud", "double", options).get()));
+}
+
 TEST(Filters, AMissingSampleInflatesP) {
     FilterHandle const filter = filter_of("ud", "double", options_of(2, 0.5));
     double before[4], after[4];

@@ -68,6 +68,10 @@ TEST(Refused, NullPointers) {
                                        rlslab_covariance(f, nullptr),
                                        rlslab_information(nullptr, numbers),
                                        rlslab_information(f, nullptr),
+                                       rlslab_new_certified("ud", "double", nullptr, 3, &out),
+                                       rlslab_new_certified("ud", "double", &options, 3, nullptr),
+                                       rlslab_certificate(nullptr, numbers),
+                                       rlslab_certificate(f, nullptr),
                                        rlslab_count(nullptr, &counts, sizeof counts),
                                        rlslab_count(f, nullptr, sizeof counts),
                                        rlslab_save(nullptr, bytes, 1),
@@ -273,6 +277,30 @@ TEST(Refused, TheOtherOfCovarianceAndInformation) {
     }
     EXPECT_GT(covariances, 5u);
     EXPECT_LT(covariances, names(RLSLAB_VARIANTS).size());
+}
+
+TEST(Refused, ProbesThatNoFilterHas) {
+    rlslab_options const options = options_of(2);
+    double numbers[3] = {1, 2, 3};
+    EXPECT_EQ(rlslab_certificate(filter_of("ud", "double", options).get(), numbers), RLSLAB_ABILITY);
+    expect_message("without probes");
+    EXPECT_EQ(numbers[0], 1);
+    for (std::size_t const probes : {std::size_t(7), most / 2, most}) {
+        rlslab_filter* none = nullptr;
+        EXPECT_EQ(rlslab_new_certified("ud", "double", &options, probes, &none), RLSLAB_INVALID);
+        expect_message("probes");
+        EXPECT_EQ(none, nullptr);
+    }
+    std::size_t refused = 0;
+    for (std::string const& variant : names(RLSLAB_VARIANTS)) {
+        rlslab_filter* made = nullptr;
+        if (rlslab_new_certified(variant.c_str(), "float", &options, 3, &made) == RLSLAB_INVALID) {
+            expect_message(variant + " cannot be composed so");
+            ++refused;
+        }
+        rlslab_free(made);
+    }
+    EXPECT_EQ(refused, 3u);
 }
 
 TEST(Refused, StatesThatAreNone) {

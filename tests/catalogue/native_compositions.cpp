@@ -2,6 +2,7 @@
 #include <rlslab/catalogue/composed.hpp>
 #include "tests/catalogue/by_name.hpp"
 
+#include <rlslab/adapt/certified.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/arithmetic/quad.hpp>
@@ -88,6 +89,64 @@ TYPED_TEST(NativeCompositions, Rules) {
     guarded.guard = "reset";
     expect_alike(Guarded<Forgetting<Ud<T>, K>, resetting>(Forgetting<Ud<T>, K>(p, by_kulhavy), p), guarded);
     expect_alike(Ud<T>(p), ruled("constant", {}));
+}
+template <class F, class T = typename F::scalar>
+void expect_certificate_alike(F typed, std::string_view variant, int rows) {
+    auto const filter = made<T>(variant, {.forgetting = 0.98, .certify = F::probe_count});
+    EXPECT_EQ(filter->probes(), F::probe_count);
+    for (Index k = 0; k < rows; ++k) {
+        Vector<double> const psi = records().psi.col(k);
+        filter->update(psi.data(), records().y[k]);
+        typed.update(Vector<T>(psi.cast<T>()), T(records().y[k]));
+    }
+    auto const before = saved(*filter);
+    native::Certificate const found = filter->certificate(), of_state = native::from_state(before)->certificate();
+    auto const expected = typed.certificate();
+    EXPECT_EQ(found.estimate, expected.estimate) << variant;
+    EXPECT_EQ(found.bound, expected.bound) << variant;
+    EXPECT_EQ(found.theta, expected.theta) << variant;
+    EXPECT_TRUE(found.definite && expected.definite) << variant;
+    EXPECT_EQ(of_state.bound, found.bound) << variant;
+    EXPECT_EQ(saved(*filter), before) << variant << ": the filter stays as it was";
+}
+TYPED_TEST(NativeCompositions, Probes) {
+    using T = TypeParam;
+    auto const p = problem<T>(0.98);
+    expect_alike(Certified<Ud<T>>(p), {.forgetting = 0.98, .certify = 3});
+    expect_alike(Certified<Information<T>, 1>(p), {.forgetting = 0.98, .certify = 1});
+    using C = Certified<Ud<T>, 2>;
+    expect_alike(Guarded<Windowed<C>, rebuilding>(Windowed<C>(p, {.rows = 20}), p),
+                 {.forgetting = 0.98, .window = 20, .guard = "rebuild", .certify = 2});
+    static double const fortescue[] = {0.02, 50, 0.25};
+    expect_alike(
+        Forgetting<C, Fortescue<T>>(problem<T>(1), {.noise_variance = T(0.02), .memory = T(50), .least = T(0.25)}),
+        {.control = "fortescue", .control_numbers = fortescue, .certify = 2});
+    expect_certificate_alike(Certified<Ud<T>>(p), "ud", 200);
+    expect_certificate_alike(Certified<Qr<T>, 6>(p), "qr", 200);
+    expect_certificate_alike(Certified<Information<T>, 1>(p), "information", 200);
+    expect_certificate_alike(Certified<Carlson<T>, 4>(p), "carlson", 200);
+    expect_certificate_alike(Certified<Gentleman<T>, 5>(p), "gentleman", 200);
+    expect_certificate_alike(Certified<Joseph<T>, 2>(p), "joseph", 200);
+}
+TEST(NativeCompositions, ProbesGoAroundEveryFormOrSayWhyNot) {
+    int certified = 0;
+    for (std::string_view const variant : native::variants()) {
+        try {
+            auto const f = made<float>(variant, {.window = 30, .guard = "reset", .certify = 3});
+            f->update_many(records().psi.data(), 80, 0, records().y.data(), nullptr);
+            EXPECT_LT(f->certificate().bound, 1) << variant;
+            ++certified;
+        } catch (std::invalid_argument const& error) {
+            EXPECT_THAT(error.what(), HasSubstr("probes")) << variant;
+        }
+    }
+    EXPECT_EQ(certified, 15);
+    EXPECT_THROW(made<double>("ud", {.certify = 7}), std::invalid_argument);
+    EXPECT_THROW(made<double>("ud", {.certify = -1}), std::invalid_argument);
+    EXPECT_THROW(made<double>("ud", {})->certificate(), std::invalid_argument);
+    EXPECT_EQ(made<double>("ud", {.guard = "reset"})->probes(), 0);
+    auto const probed = made<double>("ud", {.certify = 2}), more = made<double>("ud", {.certify = 3});
+    EXPECT_THROW(probed->load(saved(*more)), std::invalid_argument);
 }
 TEST(NativeCompositions, NumbersThatAreLeftOutHaveTheirDefaults) {
     static double const period[] = {50};

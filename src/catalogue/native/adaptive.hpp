@@ -5,6 +5,7 @@
 #include <rlslab/catalogue/native/composition.hpp>
 
 #include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/certified.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/state/state.hpp>
@@ -21,9 +22,10 @@ struct Abilities {
     bool downdates = false;    ///< takes a row back
     bool information = false;  ///< has psi'P^-1 psi at hand
     bool guardable = false;
-    bool variances = false;  ///< has P_jj and psi'P psi at hand
-    bool signals = false;    ///< is a guard
-    Index block = 0;         ///< rows that it takes at once; 0: one by one
+    bool certifiable = false;  ///< takes probes
+    bool variances = false;    ///< has P_jj and psi'P psi at hand
+    bool signals = false;      ///< is a guard
+    Index block = 0;           ///< rows that it takes at once; 0: one by one
 };
 
 template <class F>
@@ -36,6 +38,7 @@ constexpr Abilities abilities_by_type() {
                   .downdates = Downdates<F>,
                   .information = ReportsInformationAlong<F>,
                   .guardable = Guardable<F>,
+                  .certifiable = Certifiable<F>,
                   .variances = reports_variances<F>};
     if constexpr (requires(F& f) { f.signal(); }) out.signals = true;
     if constexpr (TakesBlocks<F>) out.block = F::block;
@@ -45,8 +48,22 @@ constexpr Abilities abilities_by_type() {
 /// What adapt/ does to a filter beside updates, and what it measures: the function of that name in
 /// <rlslab/adapt/time_update.hpp>, remove.hpp or diagnostics.hpp. determined: whether the rows determine theta, of a
 /// variant that starts without a prior and is alone; true of others.
-enum class Verb { set_forgetting, discount, inflate, reset, restart, cap_row, remove, pass_time };
-enum class Measure { variance, variance_along, information_along, watched_variance, symmetric_within, determined };
+enum class Verb { set_forgetting, discount, inflate, reset, restart, cap_row, remove, pass_time, multiply, certify };
+enum class Measure {
+    variance,
+    variance_along,
+    information_along,
+    watched_variance,
+    symmetric_within,
+    determined,
+    forgetting
+};
+
+/// The word of the probes, and what multiplies them by P.
+template <class T>
+using ProbeWord = typename detail::ProbeOf<T>::type;
+template <class T>
+using ProbesTimes = detail::CovarianceTimes<std::span<StateVector<ProbeWord<T>>>>;
 
 template <Real T>
 class AnyAdaptive;
@@ -77,6 +94,8 @@ struct AnyForm {
     friend bool symmetric_within(AnyForm f, T const& share, Index i, Index j) {
         return f.filter.measure(Measure::symmetric_within, {.x = &share, .i = i, .j = j}) == T(1);
     }
+    friend T forgetting(AnyForm f) { return f.filter.measure(Measure::forgetting, {}); }
+    friend void times_covariance(AnyForm f, ProbesTimes<T>& times) { f.filter.act(Verb::multiply, {.times = &times}); }
 };
 
 namespace detail {
@@ -117,6 +136,8 @@ public:
         Regressor<T> psi{static_cast<T const*>(nullptr), 0};
         StateVector<T>* scratch = nullptr;
         Index i = 0, j = 0;
+        ProbesTimes<T>* times = nullptr;             ///< of multiply
+        Certificate<ProbeWord<T>>* found = nullptr;  ///< of certify
     };
     struct Outcome {
         Step<T> step{};        ///< of cap_row and pass_time
@@ -130,6 +151,7 @@ public:
         bool follows_a_rule, set_aside, restarted, covariance;
         CompositionCounts counts = {};
         T const* root_lambda;  ///< of the form; null where it holds none
+        Index probes;          ///< 0: none
     };
     using StateVisitor =
         std::variant<detail::EntryVisitor const*, detail::Measuring*, detail::Writing*, detail::Reading*>;
@@ -190,6 +212,13 @@ public:
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->account().abilities; }
     T const* root_lambda() { return filter_->account().root_lambda; }
+    Index probe_count() const { return filter_->account().probes; }
+    /// Of probes that there are.
+    Certificate<ProbeWord<T>> certificate() const {
+        Certificate<ProbeWord<T>> out;
+        filter_->act(Verb::certify, {.found = &out});
+        return out;
+    }
     bool determined() { return filter_->measure(Measure::determined, {}) == T(1); }
 
     Index rows() const { return filter_->account().window_rows; }
@@ -249,7 +278,8 @@ struct AnyAdaptive<T>::Around final : Interface {
                     .set_aside = guard.set_aside(),
                     .restarted = guard.restarted(),
                     .covariance = detail::reports_covariance(f),
-                    .root_lambda = detail::root_lambda_of(f)};
+                    .root_lambda = detail::root_lambda_of(f),
+                    .probes = detail::probes_of(f)};
         if constexpr (requires { f.filter().composition_counts(); }) out.counts = f.filter().composition_counts();
         if constexpr (requires { f.since(); }) out.counts.refactored = f.refactored(), out.counts.since = f.since();
         if constexpr (requires { f.counts().windups; }) {
@@ -306,6 +336,10 @@ struct AnyAdaptive<T>::Around final : Interface {
     Matrix<T> matrix() const override { return detail::reported_matrix(f); }
     Outcome act(Verb verb, [[maybe_unused]] Arguments const& with) override {
         if (verb == Verb::pass_time) return {.step = detail::pass_time(f, *with.scratch)};
+        if constexpr (requires { f.certificate(); })
+            if (verb == Verb::certify) return *with.found = f.certificate(), Outcome{};
+        if constexpr (Certifiable<F>)
+            if (verb == Verb::multiply) return (*with.times)(f.form()), Outcome{};
         if constexpr (TimeUpdates<F>) {
             if (verb == Verb::set_forgetting) return set_forgetting(f, *with.x), Outcome{};
             if (verb == Verb::discount) return discount(f, *with.x), Outcome{};
@@ -342,6 +376,8 @@ struct AnyAdaptive<T>::Around final : Interface {
                 return T(f.form().lengths.determined(f.form().L) ? 1 : 0);
             else return T(1);
         }
+        if constexpr (Certifiable<F>)
+            if (what == Measure::forgetting) return detail::forgetting_of(f.form());
         cannot();
     }
     void show_state(StateVisitor const& visitor) override {

@@ -66,6 +66,20 @@ Rule rule_of(std::vector<double> const& parameters) {
 }
 
 template <Real T>
+AnyAdaptive<T> with_probes(Index probes, AnyAdaptive<T> const& filter, Problem<T> const& problem) {
+    AnyAdaptive<T> out = filter;
+    expects(probes == 0 || std::floating_point<T>, "probes of a filter in float or double");
+    if constexpr (std::floating_point<T>)
+        [&]<int... below>(std::integer_sequence<int, below...>) {
+            ((below + 1 == probes
+                  ? void(out = AnyAdaptive<T>::around(Certified<AnyAdaptive<T>, below + 1>(filter, problem)))
+                  : void()),
+             ...);
+        }(std::make_integer_sequence<int, most_probes>());
+    return out;
+}
+
+template <Real T>
 AnyAdaptive<T> with_control(Composition const& c, AnyAdaptive<T> const& filter, Problem<T> const& problem) {
     AnyAdaptive<T> out = filter;
     if (c.keeps_the_problem()) return out;
@@ -80,12 +94,12 @@ AnyAdaptive<T> with_control(Composition const& c, AnyAdaptive<T> const& filter, 
 template <Real T>
 AnyAdaptive<T> with_guard(Composition const& c, GuardOptions<double> const& given, AnyAdaptive<T> const& filter,
                           Problem<T> const& problem) {
-    GuardOptions<T> const options{.largest_variance = T(given.largest_variance),
-                                  .innovation = T(given.innovation),
-                                  .least_noise = T(given.least_noise),
-                                  .noise_memory = given.noise_memory,
-                                  .asymmetry = T(given.asymmetry),
-                                  .rebuild_rows = given.rebuild_rows};
+    GuardOptions<T, true> const options{.largest_variance = T(given.largest_variance),
+                                        .innovation = T(given.innovation),
+                                        .least_noise = T(given.least_noise),
+                                        .noise_memory = given.noise_memory,
+                                        .asymmetry = T(given.asymmetry),
+                                        .rebuild_rows = given.rebuild_rows};
     AnyAdaptive<T> out = filter;
     [&]<size_t... I>(std::index_sequence<I...>) {
         ((guard_policies[I].name == c.guard
@@ -108,7 +122,7 @@ AnyAdaptive<T> composed_around(Composition const& c, GuardOptions<double> const&
         if (control_named(c.control).parameters.at(i).range.inverted)
             expects(is_finite(T(T(1) / T(c.parameters[i]))), in_range);
     if (is_its_own_rule(c, variant)) return AnyAdaptive<T>::around(detail::Walking<T>(problem, T(c.parameters.at(0))));
-    AnyAdaptive<T> filter(problem, variant);
+    AnyAdaptive<T> filter = detail::with_probes(c.certify, AnyAdaptive<T>(problem, variant), problem);
     if (c.window > 0)
         filter = AnyAdaptive<T>::around(Windowed<AnyAdaptive<T>>(filter, problem.forgetting, {.rows = c.window}));
     return detail::with_guard(c, guard_options, detail::with_control(c, filter, problem), problem);

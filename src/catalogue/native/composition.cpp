@@ -59,20 +59,23 @@ GuardPolicy Composition::policy() const {
 }
 
 std::string contradiction(Composition const& c) {
+    expects(0 <= c.certify && c.certify <= most_probes, "0 (none) to 6 probes");
     static_cast<void>(c.policy());  // throws where no policy has the guard's name
     if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
     return "";
 }
 
 bool is_its_own_rule(Composition const& c, std::string_view variant) {
-    return c.control == RandomWalk<double>::name && c.window == 0 && c.guard.empty() && abilities_of(variant).walks;
+    return c.control == RandomWalk<double>::name && c.window == 0 && c.guard.empty() && c.certify == 0 &&
+           abilities_of(variant).walks;
 }
 
 std::string obstacle(Composition const& c, std::string_view variant) {
     VariantAbilities const can = abilities_of(variant);
     Abilities const& a = can.abilities;
     bool const ruled = !c.keeps_the_problem();
-    if (!ruled && c.window == 0 && c.guard.empty())
+    if (c.certify > 0 && !a.certifiable) return "shows no P, and no factor of it, that probes could be multiplied by";
+    if (!ruled && c.window == 0 && c.guard.empty() && c.certify == 0)
         return can.single_rows ? "" : "takes rows in blocks, or is another library's";
     if (is_its_own_rule(c, variant)) return "";
     if (!a.form) return "shows no state that could be discounted, reset or relieved of a row";

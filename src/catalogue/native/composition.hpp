@@ -1,4 +1,4 @@
-// What may be composed around a variant, named while the program runs: a rule of forgetting, a window, a guard.
+// What may be composed around a variant, named while the program runs: probes, a rule of forgetting, a window, a guard.
 #pragma once
 
 #include <rlslab/adapt/guard_policy.hpp>
@@ -32,15 +32,19 @@ Control const& control_named(std::string_view name);
 /// The names of guard_policies.
 std::vector<std::string_view> const& guard_names();
 
-/// Names that are empty and a window of 0 rows are not there. Throughout: a window stands next to the filter, a guard
-/// outermost.
+/// Most probes of a filter by name.
+inline constexpr Index most_probes = 6;
+
+/// Names that are empty, a window of 0 rows and 0 probes are not there. Throughout: probes stand next to the filter,
+/// then a window, a guard outermost.
 struct Composition {
     std::string control = "";
     std::vector<double> parameters = {};  ///< of the control, all of them
     Index window = 0;                     ///< rows
     std::string guard = "";
+    Index certify = 0;  ///< probes (Certified), at most most_probes
 
-    bool empty() const { return control.empty() && window == 0 && guard.empty(); }
+    bool empty() const { return control.empty() && window == 0 && guard.empty() && certify == 0; }
     /// Whether theta and P minimise the J of some rows with constant lambda: no rule changes the forgetting.
     bool keeps_the_problem() const;
     /// What the guard does; that it reports where there is none. Throws std::invalid_argument for a name that is no

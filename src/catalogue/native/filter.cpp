@@ -183,6 +183,16 @@ std::int32_t Filter::signal() const {
 Counts Filter::counts() const {
     return of(*this, [](auto const& in) { return in.counts(); });
 }
+Index Filter::probes() const {
+    return of(*this, [](auto const& in) { return in.filter().probe_count(); });
+}
+Certificate Filter::certificate() const {
+    return of(*this, [](auto const& in) -> Certificate {
+        if (in.filter().probe_count() == 0) refuse("the filter was made without probes: it has no certificate");
+        auto const c = in.filter().certificate();
+        return {c.estimate, c.bound, c.theta, c.definite};
+    });
+}
 void Filter::reset() {
     of(*this, [](auto& in) { in.reset(); });
 }

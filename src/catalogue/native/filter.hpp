@@ -45,6 +45,15 @@ struct Options {
     static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
     double largest_variance = unset, innovation = unset, least_noise = unset, asymmetry = unset;
     Index noise_memory = 0, rebuild_rows = 0;
+
+    Index certify = 0;  ///< probes of a certificate (rlslab::Certified), up to 6; 0: none. 3 where in doubt
+};
+
+/// What the probes of a filter show, rlslab::Certificate: `bound` is above the error ||Phat P^-1 - I||_F of P but with
+/// probability 0.08^probes, `theta` above that of theta where it is.
+struct Certificate {
+    double estimate, bound, theta;
+    bool definite;
 };
 
 /// What happened so far. Counts of what is not part of the filter stay 0.
@@ -95,6 +104,9 @@ public:
     std::int32_t health() const;
     std::int32_t signal() const;  ///< of the last row
     Counts counts() const;
+    Index probes() const;  ///< 0: none
+    /// What they show now; the filter stays as it is. Throws std::invalid_argument where there are none.
+    Certificate certificate() const;
     void reset();  ///< as it was made
     std::unique_ptr<Filter> clone() const;
 };

@@ -19,6 +19,10 @@ Index rows_in(double value, std::size_t bytes) {
     if (!(0 <= value && value <= double(bytes)) || value != std::floor(value)) refuse("the state is damaged");
     return Index(value);
 }
+Index probes_in(double value) {
+    if (!(1 <= value && value <= double(most_probes)) || value != std::floor(value)) refuse("the state is damaged");
+    return Index(value);
+}
 bool same_in(Name arithmetic, double a, double b) {
     return arithmetic == ArithmeticTraits<float>::name ? float(a) == float(b) : a == b;
 }
@@ -49,7 +53,8 @@ class Reader {
             out_.control_numbers.assign(control_->parameters.size(), Options::unset);
         } else if (name == "fleet") {
             refuse("the state is of a fleet: one of as many filters of that size takes it (restore, load)");
-        } else if (name != "guard" && name != "window" && std::ranges::find(variants(), name) == variants().end()) {
+        } else if (name != "guard" && name != "window" && name != "certified" &&
+                   std::ranges::find(variants(), name) == variants().end()) {
             refuse("the state is one of \"" + printable(name) + "\" around " + std::string(out_.variant) +
                    ", which no filter by name has");
         }
@@ -81,6 +86,7 @@ public:
         if (entry.kind != 'o') return;
         if (control_) control_option(name, entry.value);
         else if (layer_ == "guard") guard_option(name, entry.value);
+        else if (layer_ == "certified" && name == "probes") out_.options.certify = probes_in(entry.value);
         else if (layer_ == "window" && name == "rows") out_.options.window = rows_in(entry.value, bytes_);
     }
     /// The policy with these actions.

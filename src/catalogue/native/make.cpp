@@ -65,7 +65,8 @@ std::vector<double> numbers_of(Control const& control, Options const& o, Problem
 }
 Composition composition_of(Options const& o, Problem<double> const& problem) {
     expects(o.window >= 0, "a window of rows >= 0 (0: none)");
-    Composition out{.control = std::string(o.control), .window = o.window, .guard = std::string(o.guard)};
+    Composition out{
+        .control = std::string(o.control), .window = o.window, .guard = std::string(o.guard), .certify = o.certify};
     if (!o.guard.empty()) expect_one_of(guards(), o.guard, "guard");
     else
         expects(std::isnan(o.largest_variance) && std::isnan(o.innovation) && std::isnan(o.least_noise) &&
@@ -161,7 +162,7 @@ std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view ari
     expect_one_of(variants(), variant, "variant");
     expect_one_of(arithmetics(), arithmetic, "arithmetic");
     Problem<double> const problem = problem_of(options);
-    expects(composition_of(options, problem).empty(), "a fleet of plain variants: no guard, window or control");
+    expects(composition_of(options, problem).empty(), "a fleet of plain variants: no guard, window, control or probes");
     auto out = arithmetic == ArithmeticTraits<float>::name
                    ? fleet_named<float>(variant, filters, problem_in<float>(problem))
                    : fleet_named<double>(variant, filters, problem);

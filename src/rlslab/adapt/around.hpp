@@ -47,6 +47,17 @@ public:
         return filter_.form();
     }
     F const& filter() const { return filter_; }
+    /// What probes inside find (Certified).
+    auto certificate()
+        requires requires(F& f) { f.certificate(); }
+    {
+        return filter_.certificate();
+    }
+    auto certificate() const
+        requires requires(F const& f) { f.certificate(); }
+    {
+        return filter_.certificate();
+    }
     /// Of a filter whose type only the run knows.
     std::string_view variant_name() const
         requires requires(F const& f) { f.variant_name(); }

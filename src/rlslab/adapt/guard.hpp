@@ -46,6 +46,9 @@ concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && Keep
 ///       breakdown F is as newly made, and after a change P^-1 is that of the rows sqrt(w_j) e_j alone, of output
 ///       sqrt(w_j) theta_j, w_j = 2^(-3p/4) max(psi_j^2, 2^(-p/4) / P_jj)
 ///
+///   (8) around probes (Certified), at each `digits.every`-th row: breakdown where their bound is above 10^-digits.
+///       Then P is (6)'s and the kept rows', and the next bound is of these. What older rows told is forgotten
+///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
 /// the first row, relative to the P that this row leaves, and where lambda = 1 it stays, while P falls as 1/n: it needs
 /// 2^(p/4) and 2^(5p/6) rows of like sizes to grow up to P. theta, which a breakdown leaves as it was last seen, then
@@ -69,8 +72,10 @@ class Guarded : public detail::AroundFilter<F, true> {
     using Signal = PerLane<T, GuardSignal>;
     static constexpr bool known_prior = requires(F& f) { f.form().theta; } && !requires(F& f) { f.form().b; };
     static constexpr bool in_packs = !std::same_as<Mask, bool>;
+    static constexpr bool certified = !in_packs && requires(F& f) { f.certificate(); };
+    using Options = GuardOptions<T, certified>;
     using detail::AroundFilter<F, true>::filter_;
-    GuardOptions<T> options_;
+    Options options_;
     T lambda_, limit_, start_ = T(0);                 // limit_ of s, y^2 and |psi|^2; start_ 0: without a prior
     StateVector<T, detail::size_of<F>> psi_, theta_;  // workspace; theta as last seen finite
     GuardCountsOf<Count> counts_;
@@ -88,10 +93,9 @@ public:
     static constexpr bool departs = true;  ///< from the problem's J
     static constexpr int edition = 2;
 
-    explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {})
-        : Guarded(F(problem), problem, options) {}
+    explicit Guarded(Problem<T> const& problem, Options const& options = {}) : Guarded(F(problem), problem, options) {}
     /// Around a filter that was made of this problem, with options of its own, and has taken no row.
-    Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
+    Guarded(F const& filter, Problem<T> const& problem, Options const& options = {})
         : detail::AroundFilter<F, true>(filter), options_(options),
           lambda_(checked(problem, int(filter.theta().size())).forgetting),
           limit_(T(std::ldexp(1.0, std::min(max_exponent<T>() / 2, 1000)))), psi_(filter_.theta().size()),
@@ -104,6 +108,8 @@ public:
                 "options >= 0");
         expects(all(T(0) < options.asymmetry) && options.noise_memory >= 1 && options.rebuild_rows >= 0,
                 "options that make sense");
+        if constexpr (certified)
+            expects(options.digits.wanted >= 0 && options.digits.every >= 1, "digits >= 0, of every row or more");
         if constexpr (in_packs)
             for (T const& x : {options.innovation, options.least_noise, options.asymmetry})
                 expects(all(x == T(x[0])), "innovation, least_noise and asymmetry that are alike in all lanes");
@@ -317,6 +323,7 @@ private:
             if (learns) learn(sound, step.innovation * step.residual);  // (3)
             each_value(coordinate_, sound,
                        [&](Index j, Mask const& here) { broken = broken || no_covariance(j, here); });
+            if constexpr (certified) broken = broken || (learns && lacks_digits());
         }
         if (any(broken)) repair(broken, psi);
         detail::each_lane<T>(lanes, [this](int i) {
@@ -391,6 +398,13 @@ private:
                 for (Index i = 0; i < psi_.size(); ++i) theta_[i] = select(finite, psi_[i], theta_[i]);
         }
         return lanes && !good;
+    }
+    /// (8). Of a certificate that has ended nothing is known.
+    bool lacks_digits() {
+        if (!(options_.digits.wanted > 0) || counts_.rows % options_.digits.every != 0) return false;
+        auto const found = filter_.certificate();
+        bool const ended = is_finite(found.estimate) && !is_finite(found.bound);
+        return !ended && !(found.bound <= std::pow(10.0, -options_.digits.wanted));
     }
     /// The row root e_j, of output root theta_j.
     void hold(T* row, Index j, T const& root, T const& theta, Mask const& lanes) {

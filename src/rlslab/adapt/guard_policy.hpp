@@ -41,7 +41,17 @@ inline constexpr GuardPolicy reporting{};
 inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
 
-template <Field T>
+/// Digits that P is asked to keep, and after how many rows the probes are looked at again. 0 digits: never.
+struct GuardedDigits {
+    double wanted;
+    Index every;
+    constexpr GuardedDigits(double digits = 0, Index rows = 100) : wanted(digits), every(rows) {}
+};
+/// In its place around a filter without probes: no number goes in.
+struct NoProbes {};
+
+/// certified: of a guard around probes (Guarded<Certified<F>>).
+template <Field T, bool certified = false>
 struct GuardOptions {
     T largest_variance = T(0);     ///< of p in (4), in units of the noise's; 0: 16 times the start's, or as (7) says
     T innovation = T(6);           ///< c of the innovation test, in standard deviations; 0: none
@@ -49,6 +59,7 @@ struct GuardOptions {
     Index noise_memory = 200;      ///< rows that the noise's variance is averaged over, >= 1
     T asymmetry = T(1) / T(1024);  ///< |P_ij - P_ji| / sqrt(P_ii P_jj), of a P in full storage
     Index rebuild_rows = 0;        ///< kept for rebuilding; 0: 10 d
+    std::conditional_t<certified, GuardedDigits, NoProbes> digits = {};  ///< of P, (8) of guard.hpp; not in the state
 };
 
 /// A policy by name. `what` follows the name in a sentence about guards.

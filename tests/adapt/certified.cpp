@@ -1,0 +1,316 @@
+// The probes show E = Phat P^-1 - I, whatever has been done to the filter; and what rounding did not do.
+#include <rlslab/adapt/certified.hpp>
+
+#include "tests/adapt/adapt.hpp"
+#include "tests/common/same.hpp"
+
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/weighted.hpp>
+#include <rlslab/adapt/window.hpp>
+#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/state/state.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <gtest/gtest.h>
+
+namespace rlslab {
+namespace {
+
+using namespace adapt_laws;
+using R = Reference;
+
+template <class T>
+struct Dense {
+    using forms = std::tuple<Conventional<T>, ConventionalTwoSided<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>,
+                             Potter<T>, Carlson<T>, CarlsonDelta<T>, Ud<T>, UdDelta<T>, InverseQr<T>, InverseQrDelta<T>,
+                             Information<T>, Qr<T>, Gentleman<T>>;
+};
+template <class T, class Work>
+void each_form(Work work) {
+    [&]<class... F>(std::tuple<F...>*) {
+        (work(static_cast<F*>(nullptr)), ...);
+    }(static_cast<typename Dense<T>::forms*>(nullptr));
+}
+
+// --- E, by itself ----------------------------------------------------------------------------------------------------
+
+/// X and z of the same rows in 257 bits.
+struct Exact {
+    Matrix<R> X;
+    Vector<R> z;
+    explicit Exact(Index d, double variance) : X(Matrix<R>::Identity(d, d) / R(variance)), z(Vector<R>::Zero(d)) {}
+    void row(Regressor<float> psi, float y, double w, double lambda) {
+        X *= R(lambda), z *= R(lambda);
+        for (Index j = 0; j < psi.size(); ++j) {
+            for (Index i = 0; i < psi.size(); ++i) X(i, j) += R(w) * R(psi[i]) * R(psi[j]);
+            z[j] += R(w) * R(psi[j]) * R(y);
+        }
+    }
+};
+/// P in 257 bits, as the filter stores it; of `information` as factored.
+template <class F>
+Matrix<R> covariance_in_reference(F f) {
+    auto stored = f.stored();
+    if constexpr (std::same_as<F, Information<float>>) {
+        auto const form = f.form();
+        stored.form = std::remove_cvref_t<decltype(stored)>::Form::factor;
+        stored.D = form.D.view();
+        for (Index j = 0; j < stored.F.cols(); ++j)
+            for (Index i = 0; i < stored.F.rows(); ++i) stored.F(i, j) = i < j ? 0 : form.L(i, j);
+    }
+    using S = std::remove_cvref_t<decltype(stored)>;
+    Matrix<R> X = stored.F.template cast<R>();
+    if (stored.form == S::Form::factor) {
+        Matrix<R> const G = X, D = stored.D.size() > 0 ? Matrix<R>(stored.D.template cast<R>().asDiagonal())
+                                                       : Matrix<R>(Matrix<R>::Identity(G.rows(), G.rows()));
+        X = G * D * G.transpose();
+    }
+    if (stored.quantity == S::Quantity::information) return X.inverse();
+    return X;
+}
+double norm(Matrix<R> const& E) { return static_cast<double>(R(sqrt(R(E.squaredNorm())))); }
+
+/// A filter through rows, discounts, a reset and removed rows: the certificate is that of E, computed here, and of the
+/// same x. `Check` sees both after each stage.
+template <class F>
+void follow() {
+    constexpr Index d = 4;
+    Problem<float> const p{.size = d, .forgetting = 0.96875F, .prior = Prior<float>{.variance = 64}};
+    Certified<F, 5> f(p, Seed{11});
+    F alone(p);
+    Exact exact(d, 64);
+    Seed rows{5}, seed{11};
+    Matrix<R> x(d, 5);
+    for (Index j = 0; j < d; ++j)
+        for (Index i = 0; i < 5; ++i) x(j, i) = R(8 * seed.bell());  // 8: the root of 64
+    auto const check = [&](char const* what) {
+        Certificate<double> const found = f.certificate();
+        Matrix<R> const P = covariance_in_reference(f.filter()), r = P * (exact.X * x) - x;
+        double const estimate = norm(r) / 8 / std::sqrt(5.0);
+        R largest = 0;
+        for (Index i = 0; i < 5; ++i) largest = std::max(largest, R(r.col(i).squaredNorm()));
+        double const unit = 1e-15 * norm(P) * norm(exact.X);  // the word of the probes: kappa u
+        EXPECT_NEAR(found.estimate, estimate, 1e-6 * estimate + unit) << F::name << what;
+        EXPECT_NEAR(found.bound, 10 * std::sqrt(static_cast<double>(largest)) / 8, 1e-6 * found.bound + 10 * unit)
+            << F::name << what;
+        Vector<R> const theta = exact.X.lu().solve(exact.z), off = f.theta().template cast<R>() - theta;
+        if (norm(exact.z) > 0) {
+            EXPECT_LE(norm(off), found.theta * norm(f.theta().template cast<R>())) << F::name << what;
+        }
+        EXPECT_TRUE(identical(f.filter(), alone)) << F::name << what << ": the filter's bits are as without probes";
+    };
+    check(", prior");
+    float psi[d];
+    auto const take = [&](int n) {
+        for (int k = 0; k < n; ++k) {
+            float const y = draw(rows, psi);
+            f.update(psi, y), alone.update(psi, y);
+            exact.row(psi, y, 1, 0.96875);
+        }
+    };
+    take(2), check(", two rows"), take(60), check(", rows");
+    float const removed = draw(rows, psi);
+    f.update(psi, removed), alone.update(psi, removed), exact.row(psi, removed, 1, 0.96875);
+    if constexpr (Downdates<F>) {
+        remove(f, Regressor<float>(psi), removed, 1.0F), remove(alone, Regressor<float>(psi), removed, 1.0F);
+        exact.row(psi, removed, -1, 1);
+        check(", a removed row");
+    }
+    discount(f, 0.5F), discount(alone, 0.5F);
+    exact.X *= R(0.5), exact.z *= R(0.5);
+    check(", a discount");
+    set_forgetting(f, 0.5F), set_forgetting(alone, 0.5F);
+    float const y = draw(rows, psi);
+    f.update(psi, y), alone.update(psi, y), exact.row(psi, y, 1, 0.5);
+    check(", another lambda");
+    Vector<float> const theta0{{1, 2, 3, 4}};
+    reset(f, 16.0F, Regressor<float>(theta0)), reset(alone, 16.0F, Regressor<float>(theta0));
+    exact = Exact(d, 16), exact.z = theta0.cast<R>() / R(16);
+    set_forgetting(f, 0.96875F), set_forgetting(alone, 0.96875F);
+    check(", a reset"), take(30), check(", rows after it");
+}
+TEST(Certificate, IsThatOfTheErrorWhateverWasDone) {
+    each_form<float>([]<class F>(F*) { follow<F>(); });
+}
+TEST(Certificate, WithoutAPriorIsKnownOnceThetaIs) {
+    each_form<float>([]<class F>(F*) {
+        if constexpr (StartsWithoutPrior<F> && NamesItsForm<F>) {
+            Certified<F> f({.size = 3, .prior = std::nullopt});
+            Seed rows{6};
+            float psi[3];
+            for (int k = 0; k < 20; ++k) {
+                float const y = draw(rows, psi);
+                f.update(psi, y);
+                if (k < 2) {
+                    EXPECT_FALSE(f.certificate().definite) << F::name;
+                }
+            }
+            EXPECT_LT(f.certificate().bound, 1e-4) << F::name;
+            EXPECT_LT(f.certificate().theta, 1e-4) << F::name;
+        }
+    });
+}
+
+// --- the estimate and the bound --------------------------------------------------------------------------------------
+
+/// Of an error of rank one |r_i| is |v'x_i|: the estimate is within a factor of 2 as often as chi-squared says, and the
+/// bound below the truth in 0.08^s of the seeds.
+template <int s>
+void check_shares(double within) {
+    constexpr int runs = 4000;
+    int near = 0, below = 0;
+    for (int run = 0; run < runs; ++run) {
+        Problem<double> const p{.size = 6, .prior = Prior<double>{.variance = 1}};
+        Certified<Symmetric<double>, s> f(p, Seed{std::uint64_t(run) * 977});
+        Seed rows{std::uint64_t(run)};
+        Vector<double> a(6);
+        for (double& v : a) v = rows.bell();
+        auto form = f.form();
+        for (Index j = 0; j < 6; ++j)
+            for (Index i = 0; i < 6; ++i) form.P(i, j) += 0.01 * a[i] * a[j];
+        double const truth = 0.01 * a.squaredNorm();
+        Certificate<double> const found = f.certificate();
+        near += truth / 2 <= found.estimate && found.estimate <= 2 * truth;
+        below += found.bound < truth;
+    }
+    EXPECT_NEAR(double(near) / runs, within, 0.025) << s;
+    double const expected = runs * Certified<Symmetric<double>, s>::risk;
+    EXPECT_LE(below, expected + 4 * std::sqrt(expected) + 1) << s;
+}
+TEST(Certificate, EstimatesAndBoundsAsChiSquaredSays) {
+    check_shares<1>(0.572);
+    check_shares<3>(0.854);
+    check_shares<6>(0.949);
+}
+
+// --- what it sees ----------------------------------------------------------------------------------------------------
+
+template <class Spoil>
+double found_after(Spoil spoil) {
+    Certified<Ud<float>> f({.size = 4, .forgetting = 0.96875F});
+    Seed rows{8};
+    float psi[4];
+    for (int k = 0; k < 100; ++k) {
+        float const y = draw(rows, psi);
+        f.update(psi, y);
+    }
+    Certificate<double> const before = f.certificate();
+    EXPECT_LT(std::max(before.bound, before.theta), 1e-4);
+    spoil(f, rows);
+    Certificate<double> const after = f.certificate();
+    return std::max(after.bound, after.theta);
+}
+void flip(float& x, int bit) { x = std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) ^ (std::uint32_t(1) << bit)); }
+
+TEST(Certificate, SeesAFlippedBitASignAndALostRow) {
+    for (int const bit : {16, 22, 25, 31}) {  // 2^-7, 1/2, a factor of 2 or 4, the sign
+        EXPECT_GT(found_after([&](auto& f, Seed&) { flip(f.form().D[2], bit); }), 3e-4) << bit;
+        EXPECT_GT(found_after([&](auto& f, Seed&) { flip(f.form().theta[1], bit); }), 3e-4) << bit;
+    }
+    EXPECT_GT(found_after([](auto& f, Seed&) { f.form().U(0, 3) += 0.01F; }), 3e-4);
+    EXPECT_GT(found_after([](auto& f, Seed&) {  // lambda applied twice
+                  discount(f.form().inside(), 0.96875F);
+              }),
+              3e-4);
+    EXPECT_GT(found_after([](auto& f, Seed& rows) {  // a row that the filter did not see
+                  float psi[4];
+                  auto copy = f.filter();
+                  float const y = draw(rows, psi);
+                  f.update(psi, y);
+                  f.form().inside().D = copy.form().D, f.form().U = copy.form().U, f.form().theta = copy.form().theta;
+              }),
+              3e-4);
+    EXPECT_LT(found_after([](auto&, Seed&) {}), 1e-4);
+}
+TEST(Certificate, SpeaksBeforeHealth) {
+    for (float const lambda : {0.9F, 0.95F, 0.98F}) {
+        Certified<Conventional<float>> f({.size = 5, .forgetting = lambda});
+        Seed rows{7};
+        float psi[5];
+        int first = 0, broke = 0;
+        for (int k = 1; k <= 3000 && broke == 0; ++k) {
+            float const y = draw(rows, psi);
+            if (f.update(psi, y).health != Health::sound) broke = k;
+            if (first == 0 && k > 10 && !f.certificate().definite) first = k;
+        }
+        EXPECT_GT(first, 0) << lambda;
+        EXPECT_GT(broke, first + 20) << lambda;
+    }
+}
+
+// --- compositions, states, packs -------------------------------------------------------------------------------------
+
+template <class F>
+Certificate<double> certificate_inside(F const& f) {
+    if constexpr (requires { f.certificate(); }) return f.certificate();
+    else return certificate_inside(f.filter());
+}
+template <class F>
+void check_around(F f) {
+    Seed rows{9};
+    float psi[4];
+    for (int k = 0; k < 300; ++k) {
+        float y = draw(rows, psi, 0.125, k < 150 ? 1 : -1);
+        if (k == 60) y = 1e6F;
+        f.update(psi, y);
+        if (k % 50 == 49) {
+            EXPECT_LT(certificate_inside(f).bound, 1e-2) << k;
+        }
+    }
+}
+TEST(Certificate, FollowsGuardsWindowsWeightsAndRules) {
+    using C = Certified<Ud<float, 4>>;
+    Problem<float> const p{.size = 4, .forgetting = 0.96875F};
+    check_around(Guarded<C>(p));
+    check_around(Guarded<C, rebuilding>(p));
+    check_around(Windowed<C>(p, {.rows = 20}));
+    check_around(Guarded<Windowed<C>>(Windowed<C>(p, {.rows = 30}), p));
+    check_around(Weighted<C>(p));
+    check_around(Forgetting<C, Fortescue<float>>({.size = 4}));
+    check_around(Windowed<Certified<Qr<float, 4>>>(p, {.rows = 20}));
+    Forgetting<C, Kulhavy<float>> ends({.size = 4});
+    Seed rows{9};
+    float psi[4];
+    float const y = draw(rows, psi);
+    ends.update(psi, y);
+    EXPECT_TRUE(std::isinf(certificate_inside(ends).bound)) << "a rule that adds to P";
+}
+TEST(Certificate, IsInTheState) {
+    using F = Certified<Ud<float, 4>>;
+    Problem<float> const p{.size = 4, .forgetting = 0.96875F};
+    F f(p, Seed{3}), g(p, Seed{4});
+    run_rows(f, 50, Seed{10});
+    ASSERT_EQ(load(g, state_of(f)), StateFault::none);
+    run_rows(f, 50, Seed{12}), run_rows(g, 50, Seed{12});
+    EXPECT_TRUE(same(f.certificate().bound, g.certificate().bound));
+    Certified<Ud<float, 4>, 2> other(p);
+    EXPECT_NE(load(other, state_of(f)), StateFault::none);
+}
+TEST(Certificate, OfPacksIsThatOfEachLane) {
+    using P = Pack<float, 8>;
+    Problem<float> const p{.size = 3, .forgetting = 0.96875F};
+    Certified<Ud<P, 3>> packs({.size = 3, .forgetting = P(0.96875F)});
+    std::vector<Certified<Ud<float, 3>>> alone(8, Certified<Ud<float, 3>>(p));
+    Seed rows{13};
+    for (int k = 0; k < 40; ++k) {
+        P psi[3], y;
+        for (int lane = 0; lane < 8; ++lane) {
+            float one[3];
+            float const out = draw(rows, one);
+            for (int i = 0; i < 3; ++i) psi[i].set(lane, one[i]);
+            y.set(lane, out);
+            alone[size_t(lane)].update(one, out);
+        }
+        packs.update(psi, y);
+    }
+    auto const found = packs.certificate();
+    for (int lane = 0; lane < 8; ++lane) {
+        Certificate<double> const of = alone[size_t(lane)].certificate();
+        EXPECT_TRUE(same(found.estimate[lane], of.estimate) && same(found.bound[lane], of.bound)) << lane;
+        EXPECT_TRUE(same(found.theta[lane], of.theta) && found.definite[lane] == of.definite) << lane;
+    }
+}
+
+}  // namespace
+}  // namespace rlslab

@@ -1,0 +1,83 @@
+// A guard that is asked for digits rebuilds where the probes' bound is above them, and nowhere else.
+#include <rlslab/adapt/certified.hpp>
+
+#include "tests/adapt/adapt.hpp"
+
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/window.hpp>
+#include <rlslab/state/state.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <gtest/gtest.h>
+
+namespace rlslab {
+namespace {
+
+using namespace adapt_laws;
+
+template <class F>
+concept TakesDigits = requires(Problem<float> p) { Guarded<F>(p, {.digits = 4}); };
+static_assert(TakesDigits<Certified<Ud<float>>> && TakesDigits<Windowed<Certified<Ud<float>>>>);
+static_assert(!TakesDigits<Ud<float>> && !TakesDigits<Windowed<Ud<float>>>, "digits without probes");
+
+/// The largest bound at each check, and right after each breakdown; `Look` sees the filter before each row.
+template <class G, class Look>
+double largest_bound(G& f, int rows, int every, Look look) {
+    Seed seed{7};
+    float psi[5];
+    double most = 0;
+    for (int k = 1; k <= rows; ++k) {
+        look(f, k);
+        float const y = draw(seed, psi);
+        EXPECT_EQ(f.update(psi, y).health, Health::sound) << k;
+        if (k % every == 0 || f.signal() == GuardSignal::breakdown) most = std::max(most, f.certificate().bound);
+    }
+    return most;
+}
+constexpr auto nothing = [](auto const&, int) {};
+
+TEST(GuardedDigits, AreKeptByRebuilding) {
+    Problem<float> const p{.size = 5, .forgetting = 0.95F};
+    Guarded<Certified<Conventional<float>>, rebuilding> f(p, {.digits = {3, 20}});
+    EXPECT_LE(largest_bound(f, 20000, 20, nothing), 1e-3);
+    EXPECT_GT(f.counts().breakdowns, 100) << "each 60 rows or so";
+    EXPECT_EQ(f.counts().outliers, 0);
+    Guarded<Certified<Conventional<float>>, rebuilding> without(p);
+    EXPECT_GT(largest_bound(without, 400, 20, nothing), 1e-3) << "a guard that is asked for none";
+}
+TEST(GuardedDigits, RaiseNoFalseAlarmInAMillionRows) {
+    Guarded<Certified<Ud<float, 5>>, rebuilding> f({.size = 5, .forgetting = 0.98F}, {.digits = 4});
+    EXPECT_LE(largest_bound(f, 1000000, 100, nothing), 1e-4);
+    EXPECT_EQ(f.counts().breakdowns, 0);
+}
+TEST(GuardedDigits, AreBackAfterAnErrorOfP) {
+    Guarded<Windowed<Certified<Ud<float>>>, rebuilding> windowed(
+        Windowed<Certified<Ud<float>>>({.size = 5}, {.rows = 300}), {.size = 5}, {.digits = 4});
+    Guarded<Certified<Ud<float>>, rebuilding> f({.size = 5, .forgetting = 0.98F}, {.digits = 4});
+    auto const spoil = [](auto& g, int k) {
+        if (k == 450) g.form().D[2] *= 1.5F;
+    };
+    EXPECT_LE(largest_bound(f, 1000, 100, spoil), 1e-4);
+    EXPECT_EQ(f.counts().breakdowns, 1);
+    EXPECT_LE(largest_bound(windowed, 1000, 100, nothing), 1e-4);
+    EXPECT_EQ(windowed.counts().breakdowns, 0);
+}
+TEST(GuardedDigits, OfACertificateThatHasEndedAreNotAskedFor) {
+    using F = Forgetting<Certified<Ud<float>>, Kulhavy<float>>;
+    Guarded<F, rebuilding> f({.size = 5}, {.digits = {4, 1}});
+    largest_bound(f, 100, 10, nothing);
+    EXPECT_EQ(f.counts().breakdowns, 0);
+    EXPECT_THROW((Guarded<F>({.size = 5}, {.digits = -1})), std::invalid_argument);
+    EXPECT_THROW((Guarded<F>({.size = 5}, {.digits = {4, 0}})), std::invalid_argument);
+}
+TEST(GuardedDigits, AreNotInTheState) {
+    using F = Guarded<Certified<Ud<float>>, rebuilding>;
+    F f({.size = 5}, {.digits = 4}), other({.size = 5});
+    largest_bound(f, 50, 10, nothing);
+    EXPECT_EQ(load(other, state_of(f)), StateFault::none);
+    EXPECT_EQ(state_of(other), state_of(f));
+}
+
+}  // namespace
+}  // namespace rlslab
