@@ -9,6 +9,7 @@
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/arithmetic/pair.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -150,6 +151,25 @@ TEST(Certificate, WithoutAPriorIsKnownOnceThetaIs) {
             EXPECT_LT(f.certificate().theta, 1e-4) << F::name;
         }
     });
+}
+
+/// A double P of condition 1e12: probes in double see their own rounding, pairs the filter's.
+TEST(Certificate, OfPairsHasNoFloor) {
+    Problem<double> const p{.size = 4, .prior = Prior<double>{.variance = 0x1p40}};
+    Certified<Ud<double>, 3, Pair> pairs(p);
+    Certified<Ud<double>, 3, R> reference(p);
+    Certified<Ud<double>> doubles(p);
+    Seed rows{5};
+    for (int k = 0; k < 100; ++k) {
+        double const common = rows.bell();
+        double psi[4];
+        for (double& x : psi) x = common + 1e-6 * rows.bell();
+        double const y = common + rows.bell();
+        pairs.update(psi, y), reference.update(psi, y), doubles.update(psi, y);
+    }
+    double const truth = static_cast<double>(reference.certificate().estimate);
+    EXPECT_NEAR(double(pairs.certificate().estimate) / truth, 1, 1e-6);
+    EXPECT_GT(doubles.certificate().estimate, 1.5 * truth);
 }
 
 // --- the estimate and the bound --------------------------------------------------------------------------------------
