@@ -163,6 +163,7 @@ struct Claim {
     std::string text;
     Judge judge;
     Basis basis;
+    double probability = -1;  ///< given to "holds" before the run; negative: none
 };
 
 struct Study {

@@ -54,21 +54,58 @@ L power_of_two_near(L const& x) {
     }
 }
 
-/// s + 1 vectors of d numbers: one for each probe, and the last for theta.
+/// Four vectors of d numbers side by side: number j of vector i is v[4 j + i].
+template <class L, int N>
+using FourVectors = StateVector<L, N == Dynamic ? Dynamic : 4 * N>;
+/// s + 1 vectors, and zeros up to a multiple of four: one for each probe, and for theta.
 template <class L, int N, int s>
-using ProbeVectors = std::array<StateVector<L, N>, s + 1>;
+using ProbeVectors = std::array<FourVectors<L, N>, s / 4 + 1>;
 template <class Vectors>
 Vectors probe_vectors(Index d) {
     return [&]<std::size_t... i>(std::index_sequence<i...>) {
-        return Vectors{((void)i, typename Vectors::value_type(d))...};
+        return Vectors{((void)i, typename Vectors::value_type(4 * d))...};
     }(std::make_index_sequence<std::tuple_size_v<Vectors>>());
+}
+/// Number j of vector i.
+template <class Vectors>
+auto& number_of(Vectors& v, Index i, Index j) {
+    return v[std::size_t(i / 4)][4 * j + i % 4];
+}
+
+namespace portable {
+#include <rlslab/linalg/kernels/four.hpp>
+}
+#if defined(__x86_64__) && !defined(__AVX2__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+namespace avx2 {
+#include <rlslab/linalg/kernels/four.hpp>
+}
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#else
+namespace avx2 = portable;
+#endif
+/// work(text), in the registers of AVX2 where L is double and the processor has them: the same bits.
+template <class L, class Work>
+[[gnu::always_inline]] inline void by_four(Work const& work) {
+    if constexpr (std::same_as<L, double>)
+        if (kernels::isa >= Isa::avx2) return work(avx2::ByFour<L>{});
+    work(portable::ByFour<L>{});
 }
 
 /// What the rows, and what stands for rows, have made of s probes x_i and of z: m_i = X x_i and z = X theta, X = P^-1
 /// of exact arithmetic; kept over `weight`, which a discount multiplies, so that a row changes m once.
 template <class L, int N, int s>
 struct Probes {
-    ProbeVectors<L, N, s> x, m;  // m[s] is z; x[s] is not used
+    ProbeVectors<L, N, s> x, m;  // vector s of m is z; that of x is zero
     StateVector<L, N> psi;       // workspace: the row in L
     L weight = L(1);
     bool ended = false;  // P was changed in a way that m cannot follow
@@ -78,10 +115,12 @@ struct Probes {
     /// m_i += w psi psi'x_i, z += w psi y.
     template <class T>
     void add(Regressor<T> row, T const& y, L const& w) {
+        L const by = w / weight, of_y = widened<L>(y) * by;
         for (Index j = 0; j < row.size(); ++j) psi[j] = widened<L>(row[j]);
-        L const by = w / weight;
-        for (std::size_t i = 0; i < s; ++i) add_scaled(m[i], L(dot(psi, x[i]) * by), psi);
-        add_scaled(m[s], L(widened<L>(y) * by), psi);
+        for (std::size_t g = 0; g < x.size(); ++g)
+            by_four<L>([&](auto text) {
+                text.row(psi.data(), row.size(), by, of_y, g == s / 4 ? s % 4 : -1, x[g].data(), m[g].data());
+            });
     }
     void discount(L const& lambda) {
         weight *= lambda;
@@ -97,8 +136,8 @@ struct Probes {
     template <class T>
     void reset(T const& variance, Regressor<T> theta) {
         L const told = widened<L>(told_by(variance, variance));
-        for (std::size_t i = 0; i < s; ++i) scale(x[i], told, m[i]);
-        for (Index j = 0; j < theta.size(); ++j) m[s][j] = told * widened<L>(theta[j]);
+        for (std::size_t g = 0; g < x.size(); ++g) scale(x[g], told, m[g]);
+        for (Index j = 0; j < theta.size(); ++j) number_of(m, s, j) = told * widened<L>(theta[j]);
         weight = L(1), ended = false;
     }
     static auto state(auto& p) { return std::tie(p.x, p.m, p.weight, p.ended); }
@@ -142,69 +181,35 @@ auto remove(ProbedForm<Form, P> f, Regressor<typename Form::scalar> psi, typenam
     return removal;
 }
 
-// --- P m from what a form stores, m the vectors of the probes, in their word; `column` and `t` are workspace ----------
+// --- P m from what a form stores, m the vectors of the probes, in their word; `t` is workspace, as one of m -----------
 
 template <class Vectors>
 struct CovarianceTimes {
     using Numbers = typename Vectors::value_type;
     using L = std::remove_cvref_t<decltype(std::declval<Numbers>()[0])>;
     Vectors& m;
-    Numbers &column, &t;
+    Numbers& t;
 
-    /// Rows first ... end - 1 of column j, in L.
-    template <class A>
-    L const* widen(A const& a, Index j, Index first, Index end) {
-        for (Index i = first; i < end; ++i) column[i] = widened<L>(a(i, j));
-        return column.data() + first;
+    /// work(text, v, d) for each four vectors.
+    template <class Work>
+    void each(Work const& work) {
+        for (Numbers& four : m) by_four<L>([&](auto text) { work(text, four.data(), t.size() / 4); });
     }
-    /// A m, all of A.
     template <class A>
-    void full(A const& a, bool transposed) {
-        Index const d = t.size();
-        for (Numbers& v : m) {
-            t = v;
-            if (!transposed) scale(v, L(0), v);
-            for (Index j = 0; j < d; ++j) {
-                L const* const c = widen(a, j, 0, d);
-                if (transposed) v[j] = dot(c, t.data(), d);
-                else add_scaled(v.data(), t[j], c, d);
-            }
-        }
+    void full(A const& a) {
+        each([&](auto text, L* v, Index d) { text.full(a, v, t.data(), d); });
     }
-    /// U m or U'm of an upper triangle.
+    template <class A>
+    void transposed(A const& a, bool triangle) {
+        each([&](auto text, L* v, Index d) { text.transposed(a, v, t.data(), d, triangle); });
+    }
     template <class A>
     void upper(A const& a) {
-        for (Index j = 0; j < t.size(); ++j) {
-            L const* const c = widen(a, j, 0, j + 1);
-            for (Numbers& v : m) {
-                add_scaled(v.data(), v[j], c, j);
-                v[j] *= c[j];
-            }
-        }
+        each([&](auto text, L* v, Index d) { text.upper(a, v, d); });
     }
-    template <class A>
-    void upper_transposed(A const& a) {
-        for (Index j = t.size() - 1; j >= 0; --j) {
-            L const* const c = widen(a, j, 0, j + 1);
-            for (Numbers& v : m) v[j] = dot(c, v.data(), j + 1);
-        }
-    }
-    /// L^-T D^-1 L^-1 m of a lower triangle.
     template <class A, class Over>
     void solve(A const& a, Over over) {
-        Index const d = t.size();
-        for (Index j = 0; j < d; ++j) {
-            L const* const c = widen(a, j, j, d);
-            for (Numbers& v : m) {
-                v[j] /= c[0];
-                add_scaled(v.data() + j + 1, L(-v[j]), c + 1, d - j - 1);
-                v[j] /= over(j);
-            }
-        }
-        for (Index j = d - 1; j >= 0; --j) {
-            L const* const c = widen(a, j, j, d);
-            for (Numbers& v : m) v[j] = (v[j] - dot(c + 1, v.data() + j + 1, d - j - 1)) / c[0];
-        }
+        each([&](auto text, L* v, Index d) { text.solve(a, over, v, d); });
     }
 
     /// Of a form that only the run knows.
@@ -212,26 +217,27 @@ struct CovarianceTimes {
         requires requires(Form f, CovarianceTimes<std::span<Numbers>>& times) { times_covariance(f, times); }
     void operator()(Form f) {
         std::span<Numbers> vectors(m);
-        CovarianceTimes<std::span<Numbers>> times{vectors, column, t};
+        CovarianceTimes<std::span<Numbers>> times{vectors, t};
         times_covariance(f, times);
     }
     template <class T, int N, class Storage>
     void operator()(PlainCovariance<T, N, Storage> f) {
-        full(f.P, false);
+        full(f.P);
     }
     template <class T, int N>
     void operator()(RootCovariance<T, N, false> f) {
-        full(f.S, true), full(f.S, false);
+        transposed(f.S, false), full(f.S);
     }
     template <class T, int N>
     void operator()(RootCovariance<T, N, true> f) {
-        upper_transposed(f.S), upper(f.S);
+        transposed(f.S, true), upper(f.S);
     }
     template <class T, int N>
     void operator()(UdCovariance<T, N> f) {
-        upper_transposed(f.U);
+        transposed(f.U, true);
         for (Numbers& v : m)
-            for (Index j = 0; j < t.size(); ++j) v[j] *= widened<L>(f.D[j]);
+            for (Index j = 0; j < t.size() / 4; ++j)
+                for (int i = 0; i < 4; ++i) v[4 * j + i] *= widened<L>(f.D[j]);
         upper(f.U);
     }
     template <class T, int N>
@@ -276,7 +282,8 @@ concept Certifiable = NamesItsForm<F> && requires(F& f, detail::CovarianceTimes<
 template <class L>
 struct Certificate {
     L estimate;         ///< of ||E||_F: the root of the mean of |r_i|^2
-    L bound;            ///< 10 max |r_i| >= ||E||_F but with probability 0.08^probes; infinite where nothing is known
+    L bound;            ///< 10 max |r_i| and 10 u sqrt(d) of the probes' word: >= ||E||_F but with probability
+                        ///< 0.08^probes; infinite where nothing is known
     L theta;            ///< of |thetahat - theta| / |thetahat| where the bound holds; infinite where bound >= 1
     Truth<L> definite;  ///< bound < 1: then Phat, where it is symmetric, is positive definite
 };
@@ -286,7 +293,7 @@ struct Certificate {
 ///
 ///   (1) x_i, i = 1 ... s: independent numbers of mean 0 and the unit's variance, from the seed
 ///   (2) m_i = X0 x_i, z = X0 theta0     (3) m_i = lambda m_i + psi (psi'x_i), z = lambda z + psi y at each row
-///   (4) at a check r_i = Phat m_i - x_i = E x_i; estimate^2 = sum |r_i|^2 / s, bound = 10 max |r_i|
+///   (4) at a check r_i = Phat m_i - x_i = E x_i; estimate^2 = sum |r_i|^2 / s, bound = 10 (max |r_i| + u sqrt(d))
 ///   (5) t = Phat z - thetahat = theta - thetahat + E theta: |thetahat - theta| <= (|t| + bound |thetahat|) / (1 -
 ///       bound)
 ///
@@ -302,7 +309,7 @@ struct Certificate {
 ///             certificate is of the rows that F holds. Ends: a rule that adds to P (Kulhavy, CaoSchwartz, random walk);
 ///             bound and theta are infinite until the next reset. What writes into P otherwise is an error that is seen
 /// Compose     innermost: Guarded<Windowed<Certified<Ud<float>>>>
-/// F's bits are as without probes. Cost of a row 3 d (s + 1) multiplications, of a check 2 (s + 1) passes over what is
+/// F's bits are as without probes. Cost of a row 2 d (s + 1) multiplications, of a check 2 (s + 1) passes over what is
 /// stored; memory 3 d (s + 1) numbers of L. Allocates when it is made, and never again (F allowing).
 /// Throws std::invalid_argument as F. Source: Freivalds 1977 for products; derived (docs/certificate.md).
 template <Certifiable F, int probes = 3, class L = typename detail::ProbeOf<typename F::scalar>::type>
@@ -316,7 +323,7 @@ class Certified : public detail::AroundFilter<F> {
     Following probes_;
     StateVector<L, N> unit_;
     Vectors m_;  // workspace of a check, as what follows
-    StateVector<L, N> c_, t_;
+    detail::FourVectors<L, N> t_;
     StateVector<T, N> theta_;
 
 public:
@@ -331,7 +338,7 @@ public:
     /// Around a filter that was made of this problem, with options of its own, and has taken no row.
     Certified(F const& filter, Problem<T> const& problem, Seed seed = {1})
         : detail::AroundFilter<F>(filter), probes_(filter.theta().size()), unit_(filter.theta().size()),
-          m_(detail::probe_vectors<Vectors>(unit_.size())), c_(unit_.size()), t_(unit_.size()), theta_(unit_.size()) {
+          m_(detail::probe_vectors<Vectors>(unit_.size())), t_(4 * unit_.size()), theta_(unit_.size()) {
         Index const d = unit_.size();
         Problem<L> exact = problem.template mapped<L>([](T const& x) { return detail::widened<L>(x); });
         exact.size = d;
@@ -342,16 +349,18 @@ public:
             unit_[j] = L(1);
             if (problem.prior)
                 unit_[j] = detail::power_of_two_near(square_root(detail::widened<L>(variance(filter_, j))));
-            for (std::size_t i = 0; i < probes; ++i) probes_.x[i][j] = unit_[j] * L(seed.bell());
+            for (Index i = 0; i < probes; ++i) detail::number_of(probes_.x, i, j) = unit_[j] * L(seed.bell());
         }
-        probes_.x[probes] = start_theta<L, N>(exact);
-        for (std::size_t i = 0; i <= probes; ++i)  // (2): X0 = A D A'
+        auto const theta = start_theta<L, N>(exact);
+        for (Index i = 0; i <= probes; ++i) {  // (2): X0 = A D A'
+            auto const from = [&](Index j) { return i < probes ? detail::number_of(probes_.x, i, j) : theta[j]; };
             for (Index j = 0; j < d; ++j) {
-                L along = probes_.x[i][j];
-                for (Index k = j + 1; k < d; ++k) along += A(k, j) * probes_.x[i][k];
+                L along = from(j);
+                for (Index k = j + 1; k < d; ++k) along += A(k, j) * from(k);
                 along *= D[j];
-                for (Index k = j; k < d; ++k) probes_.m[i][k] += (k == j ? L(1) : A(k, j)) * along;
+                for (Index k = j; k < d; ++k) detail::number_of(probes_.m, i, k) += (k == j ? L(1) : A(k, j)) * along;
             }
+        }
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -379,15 +388,15 @@ public:
 
     /// (4) and (5). Of a const filter a copy answers, which allocates as F does.
     Certificate<L> certificate() {
-        for (std::size_t i = 0; i <= probes; ++i) scale(probes_.m[i], probes_.weight, m_[i]);
-        detail::CovarianceTimes<Vectors>{m_, c_, t_}(filter_.form());
+        for (std::size_t i = 0; i < m_.size(); ++i) scale(probes_.m[i], probes_.weight, m_[i]);
+        detail::CovarianceTimes<Vectors>{m_, t_}(filter_.form());
         detail::theta_of(filter_, theta_);
         L sum(0), largest(0), apart(0), length(0);
-        for (std::size_t i = 0; i <= probes; ++i) {
+        for (Index i = 0; i <= probes; ++i) {
             L square(0);
             for (Index j = 0; j < unit_.size(); ++j) {
-                L const from = i < probes ? probes_.x[i][j] : detail::widened<L>(theta_[j]),
-                        r = (m_[i][j] - from) / unit_[j], in_unit = from / unit_[j];
+                L const from = i < probes ? detail::number_of(probes_.x, i, j) : detail::widened<L>(theta_[j]),
+                        r = (detail::number_of(m_, i, j) - from) / unit_[j], in_unit = from / unit_[j];
                 square += r * r;
                 if (i == probes) length += in_unit * in_unit;
             }
@@ -395,7 +404,8 @@ public:
             else sum += square, largest = select(square <= largest, largest, square);  // a NaN is the largest
         }
         L const infinite(std::numeric_limits<double>::infinity());
-        Certificate<L> out{square_root(L(sum / L(probes))), L(10) * square_root(largest), infinite, false};
+        L const floor(std::ldexp(std::sqrt(double(unit_.size())), -ArithmeticTraits<L>::digits));
+        Certificate<L> out{square_root(L(sum / L(probes))), L(10) * (square_root(largest) + floor), infinite, false};
         out.bound = select(out.bound < infinite && Truth<L>(!probes_.ended), out.bound, infinite);
         out.definite = out.bound < L(1);
         L const worst = (apart / length + out.bound) / (L(1) - out.bound);
