@@ -98,7 +98,7 @@ public:
     }
 };
 
-// --- forms that are no variants of the library: Potter's, QR-RLS by substitution, Gentleman's (docs/theory.md 91) -----
+// --- forms that are no variants of the library: Potter's, QR-RLS by substitution, Gentleman's (docs/theory.md 91) ---
 
 /// d parameters in the arithmetic T; P0 = variance I, theta0 = 0. theta() is in T, stored() is the factor.
 template <class T>

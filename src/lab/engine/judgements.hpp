@@ -86,8 +86,8 @@ Judgement within(Table const& table, std::vector<std::string> const& by, Statist
 /// proven, as in `within`. A table without a column of replicates is judged by its rows alone.
 Judgement everywhere(Table const& table, std::string const& column, Cell const& value, Estimate seeds = Estimate::most);
 
-/// Rows of a table: all of them, or those that Table::where leaves, once or several times. A claim is made of one before
-/// there is a table.
+/// Rows of a table: all of them, or those that Table::where leaves, once or several times. A claim is made of one
+/// before there is a table.
 class Selection {
     std::function<Table(Table const&)> of_ = [](Table const& table) { return table; };
 
