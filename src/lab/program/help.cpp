@@ -1,6 +1,8 @@
-// The help: the definitions in lines of at most 79 letters.
+// rlslab help: the definitions in lines of at most 79 letters.
+#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 
+#include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 
 #include <algorithm>
@@ -8,6 +10,7 @@
 #include <sstream>
 
 namespace rlslab::program {
+using namespace report;
 
 namespace {
 
@@ -68,6 +71,19 @@ std::string help_text(CLI::App const& command) {
         out += '\n';
     }
     return out + notes(command.get_footer(), 79);
+}
+
+Command help_command(CLI::App& app) {
+    auto const name = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("help", "This help, or that of a command.");
+    c->add_option("COMMAND", *name, "as in the list of commands")->type_name("");
+    return {c, [name, &app] {
+                std::vector<std::string_view> names;
+                for (CLI::App const* command : shown_commands(app)) names.push_back(command->get_name());
+                if (!name->empty()) expect_one_of(names, *name, "", "command");
+                print(help_text(name->empty() ? app : *app.get_subcommand(*name)));
+                return 0;
+            }};
 }
 
 }  // namespace rlslab::program

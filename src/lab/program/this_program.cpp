@@ -1,7 +1,93 @@
-// rlslab's command line: what it is for, and its commands.
+// rlslab's command line: what it is for, its commands, and those of them that are a few lines.
+#include "src/lab/program/bibliography.hpp"
 #include "src/lab/program/commands.hpp"
+#include "src/lab/program/definitions.hpp"
+#include "src/lab/program/examples.hpp"
+
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/input/text.hpp>
+#include <rlslab/state/state_file.hpp>
+
+#include <algorithm>
+#include <fmt/format.h>
 
 namespace rlslab::program {
+using namespace report;
+
+namespace {
+
+int run_cite(std::vector<std::string> const& variants) {
+    std::vector<std::string_view> known;
+    for (CatalogueEntry const* const v : one_entry_each()) known.push_back(v->variant);
+    std::string out = bibtex_of_program();
+    std::vector<Source const*> said;  // a source of two variants stands once
+    for (std::string const& variant : variants) {
+        expect_one_of(known, variant, "cite", "variant");
+        for (Source const* source : sources_of(variant))
+            if (std::ranges::find(said, source) == said.end()) said.push_back(source);
+    }
+    for (Source const* source : said) out += '\n' + source->bibtex;
+    print(out);
+    return 0;
+}
+
+}  // namespace
+
+Command cite_command(CLI::App& app) {
+    auto const variants = std::make_shared<std::vector<std::string>>();
+    CLI::App* const c = app.add_subcommand("cite", "BibTeX of this program, and of the sources of variants.");
+    c->footer(
+        "Example:  rlslab cite ud joseph >> paper.bib\n\n"
+        "The program is cited with its version and revision. A DOI stands only where one was found beside the title in "
+        "a second place.\n\n"
+        "Exit code: 0; 2 a name that is no variant.");
+    c->add_option("VARIANT", *variants, "names of variants, as rlslab list shows them")->type_name("");
+    return {c, [variants] { return run_cite(*variants); }};
+}
+
+Command example_command(CLI::App& app) {
+    auto const name = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("example", "Records to try this on, as CSV; without a name their list.");
+    c->footer(
+        "As a file:      rlslab example sales > sales.csv\n"
+        "Without one:    rlslab compare --example longley\n\n"
+        "compare and sweep take --example NAME in place of FILE, --output and a model.\n\n"
+        "Exit code: 0; 2 a name that is no example.");
+    c->add_option("NAME", *name, "the example to print")->type_name("");
+    return {c, [name] {
+                std::string text;
+                if (!name->empty()) text = example_named(*name, "example").text;
+                else
+                    for (Example const& e : examples())
+                        text += fmt::format("{:<12} {}\n", e.name,
+                                            wrapped(fmt::format("{} ({})", e.what, e.source), 13, 13, help_width));
+                print(text);
+                return 0;
+            }};
+}
+
+Command state_command(CLI::App& app) {
+    auto const file = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("state", "What is in the file of a saved filter.");
+    c->footer(
+        "Example:  rlslab state controller.state\n\n"
+        "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of "
+        "forgetting), and "
+        "their editions, options and counts of rows. C++ reads and writes such files with "
+        "<rlslab/state/state_file.hpp>.\n\n"
+        "Exit code: 0 a state; 2 a file that cannot be read, is no state, or is damaged.");
+    c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
+    return {c, [file] {
+                std::vector<std::byte> const bytes = detail::bytes_of(*file);
+                try {
+                    print(described_state(bytes));
+                } catch (InputError const& error) {
+                    detail::refuse_state(*file, error.what());
+                }
+                return 0;
+            }};
+}
 
 ThisProgram const this_program{
     .question =
