@@ -95,8 +95,9 @@ TEST(Bibliography, HasASourceForEveryVariant) {
     for (rlslab::CatalogueEntry const* const v : rlslab::one_entry_each()) {
         auto const sources = rlslab::program::sources_of(v->variant);
         EXPECT_FALSE(sources.empty()) << v->variant;
-        if (v->variant.ends_with("_delta"))
+        if (v->variant.ends_with("_delta")) {
             EXPECT_GE(sources.size(), 2u) << v->variant << ": of the form, and of the delta operator";
+        }
         for (auto const* const source : sources)
             EXPECT_TRUE(std::regex_search(source->bibtex, std::regex("  author    = \\{[^}]+\\},\n  title     = ")))
                 << source->bibtex;
