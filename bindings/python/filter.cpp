@@ -206,6 +206,12 @@ PyObject* update_many(PyObject* self, PyObject* const* args, Py_ssize_t n) {
 PyObject* pass_time(PyObject* self, PyObject*) {
     return with<Filter>(self, [](Filter& f) { return as_tuple(f.pass_time()); });
 }
+PyObject* certificate(PyObject* self, PyObject*) {
+    return with<Filter>(self, [](Filter& f) {
+        native::Certificate const c = f.certificate();
+        return Py_BuildValue("(dddN)", c.estimate, c.bound, c.theta, PyBool_FromLong(c.definite));
+    });
+}
 PyObject* reset(PyObject* self, PyObject*) {
     return with<Filter>(self, [](Filter& f) {
         f.reset();
@@ -327,6 +333,7 @@ PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL, update_tex
                          {"_gain", read_into<&Filter::gain, false>, METH_O, nullptr},
                          {"_covariance", read_into<&Filter::covariance, true>, METH_O, nullptr},
                          {"_information", read_into<&Filter::information, true>, METH_O, nullptr},
+                         {"_certificate", certificate, METH_NOARGS, nullptr},
                          {"_state", state<Filter>, METH_NOARGS, nullptr},
                          {"_load", load<Filter>, METH_O, nullptr},
                          {"_clone", clone<Filter>, METH_NOARGS, nullptr},

@@ -15,15 +15,15 @@ struct Arguments {
     View theta, covariance, control_numbers, guard_numbers;
 
     /// (variant, arithmetic, size, forgetting, prior_variance, prior_theta, prior_covariance, window, guard, control,
-    /// control_numbers, guard_numbers, noise_memory, rebuild_rows, filters): arrays of float64, or None. `filters` has
-    /// no meaning for one filter. False with Python's error set.
+    /// control_numbers, guard_numbers, noise_memory, rebuild_rows, certify, filters): arrays of float64, or None.
+    /// `filters` has no meaning for one filter. False with Python's error set.
     bool parse(PyObject* args, Py_ssize_t& filters) {
         PyObject *theta0, *P0, *numbers, *of_guard;
         char const *guard, *control;
-        Py_ssize_t size, window, memory, rows;
-        if (!PyArg_ParseTuple(args, "ssnddOOnssOOnnn", &variant, &arithmetic, &size, &options.forgetting,
+        Py_ssize_t size, window, memory, rows, certify;
+        if (!PyArg_ParseTuple(args, "ssnddOOnssOOnnnn", &variant, &arithmetic, &size, &options.forgetting,
                               &options.prior_variance, &theta0, &P0, &window, &guard, &control, &numbers, &of_guard,
-                              &memory, &rows, &filters))
+                              &memory, &rows, &certify, &filters))
             return false;
         options.size = size;
         options.window = window;
@@ -31,6 +31,7 @@ struct Arguments {
         options.control = control;
         options.noise_memory = memory;
         options.rebuild_rows = rows;
+        options.certify = certify;
         if (!optional(theta, theta0, size) || !optional(covariance, P0, -1) ||
             !optional(control_numbers, numbers, -1) || !optional(guard_numbers, of_guard, 4))
             return false;

@@ -54,7 +54,7 @@ PyObject* save(PyObject*, PyObject* args) {
     return PyErr_SetFromErrnoWithFilenameObject(PyExc_OSError, path);
 }
 /// (variant, arithmetic, size, window, guard, control, its numbers, the guard's four numbers, noise_memory,
-/// rebuild_rows) of the filter that a state is of; NaN: a default.
+/// rebuild_rows, certify) of the filter that a state is of; NaN: a default.
 PyObject* saved(PyObject*, PyObject* bytes) {
     View view;
     if (!view.of(bytes, PyBUF_SIMPLE)) return nullptr;
@@ -71,9 +71,9 @@ PyObject* saved(PyObject*, PyObject* bytes) {
     PyObject* const numbers = PyTuple_New(Py_ssize_t(found.control_numbers.size()));
     for (std::size_t i = 0; numbers && i < found.control_numbers.size(); ++i)
         PyTuple_SetItem(numbers, Py_ssize_t(i), PyFloat_FromDouble(found.control_numbers[i]));
-    return Py_BuildValue("(NNnnNNN(dddd)nn)", text(found.variant), text(found.arithmetic), o.size, o.window,
+    return Py_BuildValue("(NNnnNNN(dddd)nnn)", text(found.variant), text(found.arithmetic), o.size, o.window,
                          text(o.guard), text(o.control), numbers, o.largest_variance, o.innovation, o.least_noise,
-                         o.asymmetry, o.noise_memory, o.rebuild_rows);
+                         o.asymmetry, o.noise_memory, o.rebuild_rows, o.certify);
 }
 
 PyMethodDef functions[] = {

@@ -33,7 +33,7 @@ from . import _options, _variants
 from ._certified import Certified, certified
 from ._compare import Comparison, compare
 from ._core import Counts, Step, controls, guards, variants
-from ._filter import HEALTHS, SIGNALS, STEP, Filter, Path
+from ._filter import HEALTHS, SIGNALS, STEP, Certificate, Filter, Path
 from ._identify import Excitation, Identification, excitation, identify
 from ._studies import Study, Sweep, cite, study, sweep
 from ._variants import *  # noqa: F403
@@ -118,7 +118,8 @@ def load(path: Path) -> Filter:
 
 
 __all__ = [
-    "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certified", "Comparison", "Counts", "Excitation", "Filter", "Fleet",
-    "Identification", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls", "excitation",
-    "filter", "from_state", "guards", "identify", "load", "study", "sweep", "variants", *_variants.__all__,
+    "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certificate", "Certified", "Comparison", "Counts", "Excitation", "Filter",
+    "Fleet", "Identification", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls",
+    "excitation", "filter", "from_state", "guards", "identify", "load", "study", "sweep", "variants",
+    *_variants.__all__,
 ]  # fmt: skip

@@ -100,7 +100,7 @@ def guard_numbers(guard: str | None, options: Mapping[str, float] | None) -> tup
 
 def saved(state: bytes) -> tuple[str, dict[str, Any]]:
     """Variant and options of the filter that a state is of, without defaults."""
-    variant, arithmetic, size, window, guard, control, numbers, of_guard, *rows = _core.saved(state)
+    variant, arithmetic, size, window, guard, control, numbers, of_guard, *rows, certify = _core.saved(state)
     dtype = next(name for name, called in ARITHMETICS.items() if called == arithmetic)
 
     def short(number: float) -> float | None:
@@ -114,6 +114,7 @@ def saved(state: bytes) -> tuple[str, dict[str, Any]]:
         "guard": guard or None,
         "guard_options": {name: value for name, value in given if value is not None} or None,
         "control": (control, *map(short, numbers)) if numbers else control or None,
+        "certify": certify,
     }
     return variant, {"size": size, **options}
 
@@ -140,6 +141,7 @@ def arguments(
     guard: str | None = None,
     guard_options: Mapping[str, float] | None = None,
     control: Control = None,
+    certify: int = 0,
     filters: int = 1,
 ) -> tuple[Any, ...]:
     """What `_core.Filter` and `_core.Fleet` are made with."""
@@ -168,5 +170,6 @@ def arguments(
         of_guard,
         memory,
         rebuild,
+        whole(certify, "certify"),
         M,
     )
