@@ -344,4 +344,33 @@ TEST_F(CompareCommand, TheTableSaysWhatTheJsonSays) {
         EXPECT_THAT(said, testing::ContainsRegex("\n[ *!] " + variant + " +" + expected[variant].substr(2)));
 }
 
+TEST_F(CompareCommand, CertifySetsWhatProbesShowBesideTheTruth) {
+    json const out = compared(sales + " --certify");
+    int seen = 0;
+    for (json const& r : out["results"]) {
+        json const& probes = r["probes"];
+        if (probes.is_null()) continue;
+        ++seen;
+        double const estimate = probes["estimate"], bound = probes["bound"];
+        EXPECT_LT(estimate, bound) << r["variant"];
+        EXPECT_EQ(probes["truth"].is_null(), r["variant"] == "information");
+        if (probes["truth"].is_null()) continue;
+        double const truth = probes["truth"];
+        EXPECT_LT(truth, bound) << r["variant"];
+        if (r["arithmetic"] == "float") {
+            EXPECT_TRUE(truth / 5 < estimate && estimate < 5 * truth) << r["variant"] << estimate << ' ' << truth;
+        }
+    }
+    EXPECT_EQ(seen, 30);
+    EXPECT_FALSE(compared(sales)["results"][0].contains("probes"));
+    EXPECT_THAT(text(sales + " --certify"), HasSubstr("257 bits, is above it in 0 of 28 forms"));
+    std::string const csv = shell("rlslab compare " + sales + " --certify --csv --no-timings").out;
+    EXPECT_THAT(csv, HasSubstr(",other_covariance_high,probes_estimate,probes_bound,probes_truth\n"));
+    for (char const* other : {"--digits 3", "--window 40", "--guard reset"}) {
+        Outcome const run = shell("rlslab compare " + sales + " --certify " + other);
+        EXPECT_EQ(run.code, 2);
+        EXPECT_THAT(run.err, HasSubstr("--certify: does not go with"));
+    }
+}
+
 }  // namespace

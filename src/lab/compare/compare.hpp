@@ -34,6 +34,7 @@ struct CompareOptions {
     std::uint64_t seed = 1;        ///< of stochastic rounding, and of the orders of rows
     int threads = 0;               ///< 0: all cores; the results do not depend on it
     bool timings = true;           ///< false: ns_per_update is left out
+    bool certify = false;          ///< probes in each filter of float and double (probed.hpp); without a composition
 };
 
 /// One value for each of the three measures of accuracy: theta in norm, its worst component, P in the Frobenius norm.
@@ -67,6 +68,12 @@ struct OtherOrders {
     std::optional<PerMeasure<Spread>> spread = {};
 };
 
+/// What probes show at the last row of ||D^-1 (Phat P^-1 - I) D||_F, D_jj = 2^round(log2 sqrt(P_jj)) of P0.
+struct Probed {
+    double estimate, bound;       ///< of a Certificate
+    std::optional<double> truth;  ///< in 257 bits; absent of `information`, whose factor the probes look at
+};
+
 /// One row of the table: in the record's own order, unless it says otherwise.
 struct Result {
     CatalogueEntry const* entry;
@@ -83,6 +90,7 @@ struct Result {
     std::optional<double> asymmetry = {};      ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
     std::optional<long> operations = {};       ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
+    std::optional<Probed> probed = {};  ///< with options.certify, in the record's own order
     // With a composition around the variant:
     std::string obstacle = {};                     ///< why it cannot be; the rest is then empty
     std::vector<CompositionCounts> happened = {};  ///< at each checkpoint

@@ -171,6 +171,12 @@ std::string as_json(Comparison const& c) {
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
+        if (c.options.certify)
+            out["results"].back()["probes"] =
+                r.probed ? Json{{"estimate", short_json(r.probed->estimate)},
+                                {"bound", short_json(r.probed->bound)},
+                                {"truth", r.probed->truth ? short_json(*r.probed->truth) : Json(nullptr)}}
+                         : Json(nullptr);
         if (c.options.composition.empty()) continue;
         Json& row = out["results"].back();
         row["obstacle"] = r.obstacle.empty() ? Json(nullptr) : Json(r.obstacle);
@@ -211,6 +217,7 @@ std::string as_csv(Comparison const& c) {
     for (char const* of : measured)
         for (char const* point : {"low", "median", "high"}) out += fmt::format(",other_{}_{}", of, point);
     bool const plain = c.options.composition.empty();
+    if (c.options.certify) out += ",probes_estimate,probes_bound,probes_truth";
     if (!plain) {
         out += ",obstacle,certified_to";
         for (auto const& [name, count] : counted) out += fmt::format(",{}", name);
@@ -234,6 +241,11 @@ std::string as_csv(Comparison const& c) {
         spreads(r.spread);
         out += fmt::format(",{},{}", r.others.runs, r.others.broken);
         spreads(r.others.spread);
+        if (c.options.certify)
+            out += r.probed ? fmt::format(",{},{},{}", cell(short_json(r.probed->estimate)),
+                                          cell(short_json(r.probed->bound)),
+                                          r.probed->truth ? cell(short_json(*r.probed->truth)) : "")
+                            : ",,,";
         if (!plain) {
             CompositionCounts const last = r.happened.empty() ? CompositionCounts{} : r.happened.back();
             out += fmt::format(",{},{}", r.obstacle.empty() ? "" : fmt::format("\"{}\"", r.obstacle), r.certified_to);

@@ -36,6 +36,8 @@ CompareOptions checked_options(CompareArguments const& a) {
     if (options.digits && !options.composition.empty())
         throw InputError("--digits: does not go with --control, --window or --guard");
     if (options.digits && options.p0) throw InputError("--digits: does not go with --p0: it chooses the prior");
+    if (options.certify && (options.digits || !options.composition.empty()))
+        throw InputError("--certify: does not go with --digits, --control, --window or --guard");
     if (options.digits && a.csv) throw InputError("--digits: does not go with --csv");
     if (a.all && !options.composition.empty())
         throw InputError("--all: does not go with --control, --window or --guard, which exist in float and double");
@@ -129,11 +131,13 @@ Command compare_command(CLI::App& app) {
                {"--digits", o.digits, "D", real("a number from 0.5 to 30", 0.5, 30),
                 "the variant and arithmetic that keep D digits of every parameter, 0.5 to 30, and their C++"}});
     define_composition(c, a->composition);
-    define(c, {seed_option(o.seed, "of stochastic rounding and of the orders of rows; default 1"),
-               {"--threads", o.threads, "N", whole(1, 4096), "default: all cores; the results are the same"},
-               {"--json", a->json, "JSON instead of the table"},
-               folder_option(a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp"),
-               {"--csv", a->csv, "CSV instead of the table"}});
+    define(c,
+           {seed_option(o.seed, "of stochastic rounding and of the orders of rows; default 1"),
+            {"--threads", o.threads, "N", whole(1, 4096), "default: all cores; the results are the same"},
+            {"--json", a->json, "JSON instead of the table"},
+            folder_option(a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp"),
+            {"--csv", a->csv, "CSV instead of the table"},
+            {"--certify", o.certify, "also what 3 probes of each filter in float and double show of its error of P"}});
     comparing->add_flag_callback(
         "--no-timings", [a] { a->options.timings = false; },
         "leave out nanoseconds, the date and the instruction set: all that differs from run to run");
