@@ -15,8 +15,8 @@ struct Arguments {
     View theta, covariance, control_numbers, guard_numbers;
 
     /// (variant, arithmetic, size, forgetting, prior_variance, prior_theta, prior_covariance, window, guard, control,
-    /// control_numbers, guard_numbers, noise_memory, rebuild_rows, certify, filters): arrays of float64, or None. `filters` has
-    /// no meaning for one filter. False with Python's error set.
+    /// control_numbers, guard_numbers, noise_memory, rebuild_rows, certify, filters): arrays of float64, or None.
+    /// `filters` has no meaning for one filter. False with Python's error set.
     bool parse(PyObject* args, Py_ssize_t& filters) {
         PyObject *theta0, *P0, *numbers, *of_guard;
         char const *guard, *control;
