@@ -213,7 +213,7 @@ TEST(DefaultPrior, IsExactInEveryArithmeticAndTakenByEveryVariant) {
     }
 }
 
-/// docs/theory.md 127 in the eigenvectors of the rows: g_i, theta along them, noise 1, P0 = c^2 I. E|theta_k|^2.
+/// docs/theory.md 130 in the eigenvectors of the rows: g_i, theta along them, noise 1, P0 = c^2 I. E|theta_k|^2.
 Rational start(std::vector<Rational> const& g, std::vector<Rational> const& theta, Rational const& c2) {
     Rational sum = 0;
     for (size_t i = 0; i < g.size(); ++i) {

@@ -1,4 +1,4 @@
-// The half-power law (docs/theory.md 125, 126): one step, the metric and N steps in rationals, where half of each constant
+// The half-power law (docs/theory.md 128, 129): one step, the metric and N steps in rationals, where half of each constant
 // is reached; N steps of float filters, drawn and by climbing over rows.
 #include <rlslab/studies/rationals.hpp>
 #include <rlslab/variants/joseph.hpp>
@@ -225,7 +225,7 @@ Rows drawn_rows(Spectrum spectrum, Index d, double kappa, Seed& seed) {
     return out;
 }
 Column spectrum_of(Doubles const& A) { return Eigen::SelfAdjointEigenSolver<Doubles>(A).eigenvalues(); }
-/// docs/theory.md 126: the bounds of eta, and sum tau_k mu_k^-1/2, all over u = 2^-24.
+/// docs/theory.md 129: the bounds of eta, and sum tau_k mu_k^-1/2, all over u = 2^-24.
 struct HalfPowerLaw {
     double ud = 0, ud_delta = 0, symmetric = 0, joseph = 0, guide = 0;
     Doubles root;  // L of P_N^-1 = LL'
