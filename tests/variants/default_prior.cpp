@@ -213,5 +213,46 @@ TEST(DefaultPrior, IsExactInEveryArithmeticAndTakenByEveryVariant) {
     }
 }
 
+/// docs/theory.md 130 in the eigenvectors of the rows: g_i, theta along them, noise 1, P0 = c^2 I. E|theta_k|^2.
+Rational start(std::vector<Rational> const& g, std::vector<Rational> const& theta, Rational const& c2) {
+    Rational sum = 0;
+    for (size_t i = 0; i < g.size(); ++i) {
+        Rational const p = Rational(1) / (g[i] + 1 / c2), kept = p * g[i];
+        sum += kept * kept * theta[i] * theta[i] + p * p * g[i];
+    }
+    return sum;
+}
+/// c^2 = |theta|^2 is at most twice for d <= 5 and more for d = 6; c^2 = |theta|^2 / d is below 5/4. c^2 >= |theta|^2 / 2
+/// errs by no more than least squares along any direction, and a smaller one does somewhere.
+TEST(DefaultPrior, ThatSaysHowLargeAParameterMayBe) {
+    Seed seed{127};
+    auto const drawn = [&](int range) { return Rational(1 + int(seed.next() % unsigned(range))); };
+    for (int n = 0; n < 400; ++n) {
+        size_t const d = 1 + n % 9;
+        std::vector<Rational> g, theta;
+        Rational size = 0;
+        for (size_t i = 0; i < d; ++i) {
+            theta.push_back(n % 3 == 0 && i > 0 ? Rational(0) : drawn(9) - 5);
+            size += theta.back() * theta.back();
+        }
+        if (size == 0) continue;
+        for (size_t i = 0; i < d; ++i) g.push_back(n % 3 == 0 && i > 0 ? 1 / size : drawn(100) / drawn(100) / size);
+        if (n % 3 == 0) g[0] = Rational(1000000);
+        for (Rational const& rho : {Rational(1), Rational(2), Rational(1) / int(d), Rational(1) / 16})
+            EXPECT_LE(start(g, theta, rho * size), (1 + rho * (int(d) - 1) / 4) * size) << n;
+        EXPECT_LE(start(g, theta, size / int(d)), size * 5 / 4);
+        if (n % 3 == 0 && d >= 6) {
+            EXPECT_GT(start(g, theta, size), 2 * size) << d;
+        }
+        if (d <= 5) {
+            EXPECT_LE(start(g, theta, size), 2 * size) << d;
+        }
+        Rational const c2 = size / 2, least_squares = 1 / g[0], p = 1 / (g[0] + 1 / c2);
+        EXPECT_LE(p * p * (size / (c2 * c2) + g[0]), least_squares);
+    }
+    Rational const size = 4, c2 = 1, g = 1000, p = 1 / (g + 1 / c2);
+    EXPECT_GT(p * p * (size / (c2 * c2) + g), 1 / g) << "c^2 = |theta|^2 / 4 is too small";
+}
+
 }  // namespace
 }  // namespace rlslab
