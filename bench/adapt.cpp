@@ -1,7 +1,10 @@
-// guard/, window/ and state/: what is around a filter costs, beside the filter alone (update/VARIANT/double/SIZE).
+// guard/, window/, state/ and certified/: what is around a filter costs, beside the filter alone
+// (update/VARIANT/double/SIZE).
 #include "bench/rows.hpp"
 
+#include <rlslab/adapt/certified.hpp>
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/arithmetic/pair.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/core/type_list.hpp>
@@ -61,8 +64,41 @@ void add_state(Index size) {
     });
 }
 
+/// Of a fixed size, as on a board. over_ud: an update over one of `ud` alone; check: a check, in updates of `ud`.
+template <class T, int N, class L = double>
+void add_certified() {
+    std::string const word = std::same_as<T, float> ? "float/" : "double/";
+    add_row((std::same_as<L, Pair> ? "certified_pairs/ud/" : "certified/ud/") + word + std::to_string(N),
+            [](benchmark::State& state) {
+                Scenario const& s = tapped_delay_line(N);
+                Matrix<T> const psi = s.records.psi.template cast<T>();
+                Vector<T> const y = s.records.y.template cast<T>();
+                Ud<T, N> alone(problem_in<T>(s.problem));
+                Certified<Ud<T, N>, 3, L> filter(problem_in<T>(s.problem));
+                Stopwatch watch(state, y.size());
+                double update = std::numeric_limits<double>::infinity(), check = update;
+                for (auto _ : state)
+                    watch.add(
+                        [&] {
+                            update = std::min(update,
+                                              stretch<Theta::unasked>(alone, psi, y, 0, y.size()) / double(y.size()));
+                            check = std::min(check, nanoseconds_of([&] {
+                                                 auto const found = filter.certificate();
+                                                 do_not_optimize(found);
+                                             }));
+                        },
+                        [&] { return stretch<Theta::unasked>(filter, psi, y, 0, y.size()); });
+                Vector<double> const theta = Vector<T>(filter.theta()).template cast<double>();
+                watch.finish({0, theta.allFinite()});
+                state.counters["over_ud"] = double(state.counters["ns_per_update"]) / update;
+                state.counters["check"] = check / update;
+            });
+}
+
 Rows const added([] {
     using T = double;
+    add_certified<float, 16>(), add_certified<float, 64>(), add_certified<T, 16>(), add_certified<T, 64>();
+    add_certified<T, 16, Pair>(), add_certified<T, 64, Pair>();
     for (Index const size : {4, 16, 32, 64, 128}) {
         for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Ud<T>, UdDelta<T>, InverseQr<T>, Qr<T>>{},
                  [size]<class F>() { add_filter_row<Guarded<F>>("guard", size); });

@@ -1,5 +1,5 @@
 // What random probes say of a running filter, beside the truth in 257 bits.
-// Longer than 150 lines: the runs, breakdowns and clean rows, and 20 predictions with their probabilities.
+// Longer than 150 lines: the runs, breakdowns and clean rows, and 21 predictions with their probabilities.
 #include <rlslab/adapt/certified.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/reference/definiteness.hpp>
@@ -236,6 +236,7 @@ Judgement clean(Table const& t, double at) {
     return none(of(t, "clean"), [at](double, double, double bound) { return !(bound <= at); });
 }
 Basis const set_before = own_result("set before any run");
+Basis const set_anew = own_result("set before any run; the bound was given its floor after the first");
 
 }  // namespace
 
@@ -243,13 +244,14 @@ extern Study const certificate;
 Study const certificate{
     .name = "certificate",
     .question = "Does a running filter know how wrong its P and theta are?",
-    .source = "derived (docs/theory.md 125, 126); Freivalds 1977 for products",
+    .source = "derived (docs/theory.md 125 to 127); Freivalds 1977 for products",
     .formula = R"tex(r_i = \hat P m_i - x_i = E x_i \qquad E = \hat P P^{-1} - I \qquad
-                     \Pr\{10\max_i\lvert r_i\rvert < \lVert E\rVert_F\} \le 0.08^s)tex",
+                     P(10 \max_i \|r_i\| < \|E\|_F) \le 0.08^s)tex",
     .interpretation =
         "Three random probes in double beside each filter; the truth is computed in 257 bits. One check in each run, "
         "at a row that is drawn. The errors of rank one are a doubled D_j of ud. Breakdowns: the first rows at which "
-        "the bound is not below 1, health speaks, P is exactly indefinite.",
+        "the bound is not below 1, health speaks, P is exactly indefinite. In the first run 33 of 16800 bounds lay "
+        "below the truth, whose size was that of the probes' own rounding; the bound has contained that since.",
     .data =
         "P0 = 256 I; white rows, delay lines of pole 0.95, rows with a common part 64 times their own, units from "
         "1 to 1/1024, a period of 7 rows, 20 zero rows first",
@@ -294,9 +296,9 @@ Study const certificate{
     .claims =
         {
             {"the bound lies below ||E||_F in at most 12 of 10^4 runs",
-             [](Table const& t) { return share(of(t, "E"), below, 0, 12e-4); }, set_before, 0.95},
+             [](Table const& t) { return share(of(t, "E"), below, 0, 12e-4); }, set_anew, 0.95},
             {"it does so in at most 5 of 10^4: the stated risk",
-             [](Table const& t) { return share(of(t, "E"), below, 0, 5e-4); }, set_before, 0.75},
+             [](Table const& t) { return share(of(t, "E"), below, 0, 5e-4); }, set_anew, 0.75},
             {"errors of rank one, 1 probe: 57.2 % of the estimates within [0.5, 2], to 5",
              [](Table const& t) { return share(of(t, "rank one").where("variant", 1.0), near, 0.522, 0.622); },
              set_before, 0.93},

@@ -181,7 +181,7 @@ auto remove(ProbedForm<Form, P> f, Regressor<typename Form::scalar> psi, typenam
     return removal;
 }
 
-// --- P m from what a form stores, m the vectors of the probes, in their word; `t` is workspace, as one of m -----------
+// --- P m from what a form stores, m the vectors of the probes, in their word; `t` is workspace, as one of m ----------
 
 template <class Vectors>
 struct CovarianceTimes {

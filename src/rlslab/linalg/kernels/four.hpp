@@ -1,8 +1,8 @@
 // Products of a matrix and four vectors side by side: number j of vector i is v[4 j + i]. Included by
 // adapt/certified.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 //
-// A matrix is what has a(i, j); `widened` turns its numbers into L. A dot product has four running sums, of j = 0, 1, 2,
-// 3 mod 4 from its first number on, then (0 + 2) + (1 + 3); all else is a sum of columns from the first to the last.
+// A matrix is what has a(i, j); `widened` turns its numbers into L. A dot product has four running sums, of j = 0, 1,
+// 2, 3 mod 4 from its first number on, then (0 + 2) + (1 + 3); all else is a sum of columns, the first column first.
 
 template <class L>
 struct Four {
