@@ -212,7 +212,7 @@ Judgement share(Table const& t, std::function<bool(double truth, double estimate
     for (size_t i = 0; i < truth.size(); ++i) hits += hit(truth[i], estimate[i], bound[i]);
     return proportion(hits, truth.size(), from, to);
 }
-bool below(double truth, double, double bound) { return bound < truth; }
+bool bound_below(double truth, double, double bound) { return bound < truth; }
 bool near(double truth, double estimate, double) { return truth / 2 <= estimate && estimate <= 2 * truth; }
 bool lost(double, double, double bound) { return !(bound < 1); }
 /// Rows from the bound to `health`.
@@ -296,9 +296,9 @@ Study const certificate{
     .claims =
         {
             {"the bound lies below ||E||_F in at most 12 of 10^4 runs",
-             [](Table const& t) { return share(of(t, "E"), below, 0, 12e-4); }, set_anew, 0.95},
+             [](Table const& t) { return share(of(t, "E"), bound_below, 0, 12e-4); }, set_anew, 0.95},
             {"it does so in at most 5 of 10^4: the stated risk",
-             [](Table const& t) { return share(of(t, "E"), below, 0, 5e-4); }, set_anew, 0.75},
+             [](Table const& t) { return share(of(t, "E"), bound_below, 0, 5e-4); }, set_anew, 0.75},
             {"errors of rank one, 1 probe: 57.2 % of the estimates within [0.5, 2], to 5",
              [](Table const& t) { return share(of(t, "rank one").where("variant", 1.0), near, 0.522, 0.622); },
              set_before, 0.93},
@@ -326,7 +326,7 @@ Study const certificate{
              },
              set_before, 0.85},
             {"the bound of theta lies below its error in at most 12 of 10^4 runs",
-             [](Table const& t) { return share(of(t, "theta"), below, 0, 12e-4); }, set_before, 0.9},
+             [](Table const& t) { return share(of(t, "theta"), bound_below, 0, 12e-4); }, set_before, 0.9},
             {"theta's bound is 10 to 10^4 times its error in at least 70 %",
              [](Table const& t) {
                  return share(
