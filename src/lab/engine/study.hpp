@@ -144,6 +144,7 @@ struct Claim {
     std::string text;
     std::function<Judgement(Table const&)> judge;
     Basis basis;
+    double probability = -1;  ///< given to "holds" before the run; negative: none
 };
 
 struct Study {

@@ -74,16 +74,25 @@ std::string verdict_lines(Outcome const& outcome, bool colour, size_t width) {
     std::vector<size_t> order(outcome.judgements.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::ranges::stable_sort(order, {}, [&](size_t i) { return outcome.judgements[i].verdict; });
+    double squares = 0;
+    int judged = 0;
     for (size_t i : order) {
         Judgement const& judgement = outcome.judgements[i];
         Claim const& claim = outcome.study->claims[i];
         std::string const verdict = judgement.verdict == Verdict::fails ? painted("FAILS    ", 31)
                                     : judgement.holds()                 ? painted("holds    ", 32)
                                                                         : painted("undecided", 33);
-        std::string const said = fmt::format("{}: {}{}", claim.text, judgement.measured,
-                                             claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
+        std::string const said = fmt::format(
+            "{}{}: {}{}", claim.text, claim.probability < 0 ? "" : fmt::format(" (probability {})", claim.probability),
+            judgement.measured, claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
+        if (claim.probability >= 0 && judgement.verdict != Verdict::undecided) {
+            double const miss = claim.probability - judgement.holds();
+            squares += miss * miss, ++judged;
+        }
         out += fmt::format("  {}  {:<12}  {}\n", verdict, name_of(claim.basis.kind), wrapped(said, 27, 13, width));
     }
+    if (judged > 0)  // of probabilities of 1/2: 0.25
+        out += fmt::format("  Brier score of {} probabilities: {:.3f}\n", judged, squares / judged);
     return out;
 }
 
