@@ -222,8 +222,8 @@ Rational start(std::vector<Rational> const& g, std::vector<Rational> const& thet
     }
     return sum;
 }
-/// c^2 = |theta|^2 is at most twice for d <= 5 and more for d = 6; c^2 = |theta|^2 / d is below 5/4. c^2 >= |theta|^2 / 2
-/// errs by no more than least squares along any direction, and a smaller one does somewhere.
+/// c^2 = |theta|^2: at most twice for d <= 5, more for d = 6. c^2 = |theta|^2 / d: below 5/4. With c^2 >= |theta|^2 / 2
+/// no direction errs by more than least squares; with a smaller one some direction does.
 TEST(DefaultPrior, ThatSaysHowLargeAParameterMayBe) {
     Seed seed{127};
     auto const drawn = [&](int range) { return Rational(1 + int(seed.next() % unsigned(range))); };

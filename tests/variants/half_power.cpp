@@ -1,5 +1,5 @@
-// The half-power law (docs/theory.md 128, 129): one step, the metric and N steps in rationals, where half of each constant
-// is reached; N steps of float filters, drawn and by climbing over rows.
+// The half-power law (docs/theory.md 128, 129): one step, the metric and N steps in rationals, where half of each
+// constant is reached; N steps of float filters, drawn and by climbing over rows.
 #include <rlslab/studies/rationals.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/symmetric.hpp>

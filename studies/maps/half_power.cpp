@@ -1,0 +1,236 @@
+// The half-power law over records: what a factor and a stored P lose of P in its own metric, foretold from the rows and
+// one constant. Longer than 150 lines: the law with its bounds, and twelve predictions.
+#include <rlslab/studies/judgements.hpp>
+#include <rlslab/studies/scenarios.hpp>
+
+#include <rlslab/arithmetic/elementary.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab::studies {
+namespace {
+
+using Doubles = Eigen::MatrixXd;
+constexpr double u = 0x1p-24;
+/// The one constant, from `HalfPower.OfNRowsIsNotExceededInFloat`: ud_delta, d = 2 and 5, 60 rows, other seeds.
+constexpr double constant = 0.042, half_a_digit = 3.1623;
+constexpr Index samples = 120;
+
+Eigen::VectorXd spectrum_of(Doubles const& A) { return Eigen::SelfAdjointEigenSolver<Doubles>(A).eigenvalues(); }
+
+Records drawn(Trial const& trial, Index d) {
+    double const kappa = trial.number("kappa");
+    std::string const basis = trial.text("basis");
+    Seed seed = trial.seed({"basis", "d", "replicate"});
+    Doubles turn(d, d);
+    for (double& x : turn.reshaped()) x = seed.bell();
+    Eigen::HouseholderQR<Doubles> const qr(turn);
+    turn = qr.householderQ();
+    Records out{.psi = Matrix<double>(d, samples), .y = Vector<double>::Zero(samples), .names = {}};
+    Eigen::VectorXd line = Eigen::VectorXd::Zero(d), row(d);
+    for (Index k = 0; k < samples; ++k) {
+        for (Index i = 0; i < d; ++i) row[i] = seed.bell() * correctly::pow(kappa, -double(i) / double(d - 1));
+        if (basis == "rotated") row = (turn * row).eval();
+        if (basis == "start")  // columns that stand near 1 for half of the rows
+            for (double& x : row) x = 1 + seed.bell() / (2 * k < samples ? kappa : 1);
+        if (basis == "line") {
+            for (Index i = d - 1; i > 0; --i) line[i] = line[i - 1];
+            line[0] = (1 - 2 / kappa) * line[1] + seed.bell() / std::sqrt(kappa);
+            row = line;
+        }
+        for (Index i = 0; i < d; ++i) out.psi(i, k) = float(row[i]);
+    }
+    return out;
+}
+
+/// docs/theory.md 129, over u: sum tau mu^-1/2, sum tau / (mu gamma), and the bounds of three forms.
+struct Law {
+    double half = 0, whole = 0, factor = 0, symmetric = 0, joseph = 0;
+    Doubles root;  // L of P_N^-1 = LL'
+    Law(Records const& records, double lambda, double c2) {
+        Index const d = records.psi.rows();
+        std::vector<Doubles> M{Doubles::Identity(d, d) / c2};
+        std::vector<double> mu{1}, gamma{1};
+        Doubles P = Doubles::Identity(d, d) * c2;
+        for (Index k = 0; k < records.rows(); ++k) {
+            Eigen::VectorXd const psi = records.psi.col(k);
+            gamma.push_back(lambda / (lambda + psi.dot(P * psi)));
+            M.push_back(lambda * M.back() + psi * psi.transpose());
+            P = M.back().llt().solve(Doubles::Identity(d, d));
+            P = (P + P.transpose()).eval() / 2;
+            Eigen::VectorXd const a = P.diagonal().cwiseSqrt().cwiseInverse();
+            mu.push_back(std::max(1e-15, spectrum_of(a.asDiagonal() * P * a.asDiagonal())[0]));
+        }
+        root = M.back().llt().matrixL();
+        Doubles const of_P = P.llt().matrixL();
+        double const D = double(d), r = lambda == 1 ? 0 : 2;
+        for (size_t k = 0; k < M.size(); ++k) {
+            double const tau = std::min(1.0, correctly::pow(lambda, double(M.size() - 1 - k)) *
+                                                 spectrum_of(of_P.transpose() * M[k] * of_P)[d - 1]);
+            half += tau / std::sqrt(mu[k]);
+            factor += (2 * std::sqrt(D) * (4 * D + 7) + 4 * D + 16) * tau / std::sqrt(mu[k] * gamma[k]);
+            if (k == 0) continue;
+            double const full = tau / (mu[k] * gamma[k]), gone = 1 - gamma[k],
+                         reach = 1 + gone * std::sqrt(D / mu[k - 1]);
+            whole += full;
+            symmetric += D * full * (4 + 2 * r + (4 * D + 1) * gone);
+            joseph += D * full * ((2 * D + 5 + r) * reach * reach + 2 * gamma[k] * gone);
+        }
+    }
+};
+
+std::vector<Cell> const deltas{"ud_delta", "carlson_delta", "inverse_qr_delta"};
+
+void measure(Trial const& trial, TrialOutput& out) {
+    auto const d = Index(trial.number("d"));
+    double const lambda = float(trial.number("lambda")), c2 = trial.number("c2");
+    Records const records = drawn(trial, d);
+    Law const law(records, lambda, c2);
+    for (Cell const& variant : joined(deltas, {"ud", "symmetric", "joseph"})) {
+        auto const name = std::get<std::string>(variant);
+        auto const filter =
+            trial.entry(name, "float")
+                .make({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = c2}}, Seed{1});
+        process_rows(*filter, records, 0, records.rows());
+        Doubles P =
+            covariance_of(filter->stored()).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
+        P = (P + P.transpose()).eval() / 2;
+        bool const finite = P.allFinite();
+        double const eta =
+            finite ? spectrum_of(law.root.transpose() * P * law.root - Doubles::Identity(d, d)).cwiseAbs().maxCoeff()
+                   : INFINITY;
+        bool const stored = name == "symmetric" || name == "joseph";
+        double const bound = name == "symmetric" ? law.symmetric : name == "joseph" ? law.joseph : law.factor;
+        out({variant, eta, eta / (u * (stored ? law.whole : law.half)), eta / (u * bound), u * bound});
+    }
+}
+
+// --- claims ----------------------------------------------------------------------------------------------------------
+
+std::vector<std::string> const cells{"basis", "d", "lambda", "kappa", "c2"};
+
+Table steady(Table const& t) { return t.where("basis", std::vector<std::string>{"rotated", "units", "line"}); }
+Table of(Table const& t, char const* variant) { return t.where("variant", Cell(variant)); }
+/// The share of cells whose median of this column lies between.
+Judgement share(Table const& t, char const* column, double from, double to, double at_least, double at_most = 1) {
+    size_t hits = 0, all = 0;
+    for (auto const& [name, rows] : t.groups(cells)) {
+        double const middle = median(rows.numbers(column));
+        hits += from <= middle && middle <= to, ++all;
+    }
+    return proportion(hits, all, at_least, at_most);
+}
+Judgement foretold(Table const& t) { return share(t, "of_law", constant / half_a_digit, constant * half_a_digit, 0.9); }
+/// Where the bound is below 1: elsewhere the first order says nothing.
+Judgement below(Table const& t) {
+    return within(t.where("bound", [](double x) { return x < 1; }), {"variant"},
+                  greatest("of_bound").as(Estimate::every), 0, 1);
+}
+Judgement slope_in_kappa(Table const& t, double from, double to) {
+    return within(t, {"d", "lambda"}, slope("kappa", "eta"), from, to);
+}
+Basis seen() { return own_result("docs/theory.md 129; before the run, after a trial of other seeds, d = 2, 5, 20"); }
+
+}  // namespace
+
+extern Study const half_power;
+Study const half_power{
+    .name = "half_power",
+    .question = "Do a factor of P and a stored P lose half a power and a whole power of the correlation of P?",
+    .source = "derived (docs/theory.md 128, 129)",
+    .formula =
+        R"tex(\begin{aligned} \eta &\le c(d)\,u\sum_k\frac{\tau_k}{\sqrt{\mu_k\gamma_k}} \text{ (factors)}, \qquad
+\eta \le c(d)\,u\sum_k\frac{\tau_k}{\mu_k\gamma_k} \text{ (P stored)} \\
+(1 - \eta)P_N &\le \hat P_N \le (1 + \eta)P_N \end{aligned})tex",
+    .interpretation =
+        "Expected and not seen: joseph exceeds u sum tau / (mu gamma) in no cell, so that its further factor is in no "
+        "median here. Without a start at rest the median error of ud_delta, carlson_delta, inverse_qr_delta and ud, in "
+        "the metric of P, is 0.042 u sum tau mu^-1/2 to half a digit in 97 to 100 % of cells (quick and full, seeds 1 "
+        "and 2). No bound was exceeded: the largest share is 0.026. Undecided at both seeds: the slopes in kappa of "
+        "ud_delta in rotated columns and of symmetric against it, what the prior costs ud_delta, and the claims on all "
+        "starts and on 99 % of cells, for which these cells are too few.",
+    .data =
+        "d = 3, 4, 8, N = 120, float: geometric spectra rotated or in units, a line of an autoregression, a start at "
+        "rest; condition 30, 300, 1000; P0 = 16 I to 2^20 I; lambda 1 and 31/32",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"basis", {"rotated", "units", "line", "start"}},
+                                       {"d", {3.0, 4.0, 8.0}},
+                                       {"lambda", {1.0, 0.96875}},
+                                       {"kappa", {30.0, 300.0, 1000.0}},
+                                       {"c2", {16.0, 1024.0, 1048576.0}},
+                                       {"replicate", counted(budget == Budget::full ? 40 : 11)}};
+        },
+    .measures = {"variant", "eta", "of_law", "of_bound", "bound"},
+    .measure = measure,
+    .plots = {{.title = "Error in the metric of P, rotated",
+               .x = "kappa",
+               .y = "eta",
+               .x_label = "condition number",
+               .y_label = "eta",
+               .where = {{"basis", {"rotated"}}, {"d", {"4"}}, {"lambda", {"1"}}, {"c2", {"1048576"}}}}},
+    .claims =
+        {
+            {"no error of ud_delta, symmetric or joseph exceeds its proven bound, where that is below 1",
+             [](Table const& t) {
+                 return below(t.where("variant", std::vector<std::string>{"ud_delta", "symmetric", "joseph"}));
+             },
+             seen(), 0.97},
+            {"ud_delta, without starts at rest: the median of at least nine cells in ten lies within half a digit of "
+             "0.042 u sum tau mu^-1/2",
+             [](Table const& t) { return foretold(of(steady(t), "ud_delta")); }, seen(), 0.75},
+            {"carlson_delta, likewise, by the same constant",
+             [](Table const& t) { return foretold(of(steady(t), "carlson_delta")); }, seen(), 0.6},
+            {"inverse_qr_delta, likewise", [](Table const& t) { return foretold(of(steady(t), "inverse_qr_delta")); },
+             seen(), 0.6},
+            {"ud, likewise", [](Table const& t) { return foretold(of(steady(t), "ud")); }, seen(), 0.6},
+            {"ud_delta, starts at rest: the median never exceeds that by half a digit",
+             [](Table const& t) {
+                 return share(of(t.where("basis", Cell("start")), "ud_delta"), "of_law", 0, constant * half_a_digit, 1);
+             },
+             seen(), 0.3},
+            {"symmetric: the median never exceeds u sum tau / (mu gamma), starts included: 99 % of cells at least",
+             [](Table const& t) { return share(of(t, "symmetric"), "of_law", 0, 1, 0.99); }, seen(), 0.7},
+            {"joseph: the median exceeds that in 2 to 40 % of cells: its further factor is needed",
+             [](Table const& t) { return share(of(t, "joseph"), "of_law", 1, INFINITY, 0.02, 0.4); }, seen(), 0.35},
+            {"ud_delta, rotated, c^2 = 2^20: slope 1.0 +- 0.2 in kappa",
+             [](Table const& t) {
+                 return slope_in_kappa(of(t.where("basis", Cell("rotated")).where("c2", 1048576.0), "ud_delta"), 0.8,
+                                       1.2);
+             },
+             seen(), 0.6},
+            {"ud_delta, units, c^2 = 2^20: slope 0.0 +- 0.15 in kappa",
+             [](Table const& t) {
+                 return slope_in_kappa(of(t.where("basis", Cell("units")).where("c2", 1048576.0), "ud_delta"), -0.15,
+                                       0.15);
+             },
+             seen(), 0.75},
+            {"symmetric, rotated, c^2 = 1024, kappa up to 300: it pays more than ud_delta by a slope of 0.6 to 1.4",
+             [](Table const& t) {
+                 Table const rows = t.where("basis", Cell("rotated")).where("c2", 1024.0);
+                 Statistic const apart([](Table const& r) {
+                     auto const at = [&](char const* variant, double kappa) {
+                         return correctly::log10(r.where("variant", Cell(variant)).where("kappa", kappa).number("eta"));
+                     };
+                     return (at("symmetric", 300) - at("ud_delta", 300)) - (at("symmetric", 30) - at("ud_delta", 30));
+                 });
+                 return within(rows, {"d", "lambda"}, apart, 0.6, 1.4);
+             },
+             seen(), 0.35},
+            {"ud_delta, rotated, kappa = 300: from c^2 = 1024 to 2^20 the error changes by a factor of 1/2 to 2 in the "
+             "median: a factor does not pay for the prior",
+             [](Table const& t) {
+                 Table const rows = of(t.where("basis", Cell("rotated")).where("kappa", 300.0), "ud_delta");
+                 Statistic const ratio([](Table const& r) {
+                     return r.where("c2", 1048576.0).number("eta") / r.where("c2", 1024.0).number("eta");
+                 });
+                 return within(rows, {"d", "lambda"}, ratio, 0.5, 2);
+             },
+             seen(), 0.3},
+        },
+};
+
+}  // namespace rlslab::studies
