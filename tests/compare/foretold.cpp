@@ -61,8 +61,8 @@ Ends ends_of(std::string_view variant, std::string_view arithmetic, double lambd
     return out;
 }
 
-/// P = [1 1 + a/2; 1 - a/2 1], a = 2^-10 at row 10, divided by lambda = 1/2 at each row: a is 1 at row 20. From there on
-/// no later row is foretold than the one looked at.
+/// P = [1 1 + a/2; 1 - a/2 1], a = 2^-10 at row 10, divided by lambda = 1/2 at each row: a is 1 at row 20. From there
+/// on no later row is foretold than the one looked at.
 TEST(Foretold, AnAsymmetryOfOneAndMoreEndsAtOnce) {
     for (Index const last : {12, 19, 20, 25}) {
         Foretold of(0.5, 2);

@@ -277,8 +277,8 @@ concept Certifiable = NamesItsForm<F> && requires(F& f, detail::CovarianceTimes<
     detail::forgetting_of(f.form());
 };
 
-/// What a check found; of packs in each lane. In the unit of each parameter, which is 2^round(log2 sqrt(P_jj)) of P0, or
-/// 1 without a prior. With E = Phat P^-1 - I, Phat what the filter stores and P that of exact arithmetic:
+/// What a check found; of packs in each lane. In the unit of each parameter, which is 2^round(log2 sqrt(P_jj)) of P0,
+/// or 1 without a prior. With E = Phat P^-1 - I, Phat what the filter stores and P that of exact arithmetic:
 template <class L>
 struct Certificate {
     L estimate;         ///< of ||E||_F: the root of the mean of |r_i|^2
@@ -297,17 +297,18 @@ struct Certificate {
 ///   (5) t = Phat z - thetahat = theta - thetahat + E theta: |thetahat - theta| <= (|t| + bound |thetahat|) / (1 -
 ///       bound)
 ///
-/// The rounding of F does not depend on x, so that the expectation of |r_i|^2 is ||E||_F^2, and each |r_i| falls below a
-/// tenth of it with probability 0.08 at most (of the rank-one E; the rank of others makes it less likely). A symmetric
-/// Phat is positive definite where ||E||_2 < 1: in the metric of P its eigenvalues are 1 + those of E. Where both
-/// triangles are stored and differ, that is not said of x'Phat x.
-/// L           the word of (3) to (5), a longer one than F's: rounding of (3) itself, of about 2^-53 kappa(P) in double,
-///             is part of r. Of a double F choose `Pair` where the floor of double is too high
-/// P           is looked at as stored: full storage both triangles; a factor multiplied out; of a factor of P^-1 (and of
-///             the normal equations, factored) Phat m is two substitutions
-/// Followed    rows of whatever lambda or weight, discount, reset, removed rows, restarts of a guard and of a window: the
-///             certificate is of the rows that F holds. Ends: a rule that adds to P (Kulhavy, CaoSchwartz, random walk);
-///             bound and theta are infinite until the next reset. What writes into P otherwise is an error that is seen
+/// The rounding of F does not depend on x, so that the expectation of |r_i|^2 is ||E||_F^2, and each |r_i| falls below
+/// a tenth of it with probability 0.08 at most (of the rank-one E; the rank of others makes it less likely). A
+/// symmetric Phat is positive definite where ||E||_2 < 1: in the metric of P its eigenvalues are 1 + those of E. Where
+/// both triangles are stored and differ, that is not said of x'Phat x.
+/// L           the word of (3) to (5), a longer one than F's: rounding of (3) itself, of about 2^-53 kappa(P) in
+///             double, is part of r. Of a double F choose `Pair` where the floor of double is too high
+/// P           is looked at as stored: full storage both triangles; a factor multiplied out; of a factor of P^-1 (and
+///             of the normal equations, factored) Phat m is two substitutions
+/// Followed    rows of whatever lambda or weight, discount, reset, removed rows, restarts of a guard and of a window:
+///             the certificate is of the rows that F holds. Ends: a rule that adds to P (Kulhavy, CaoSchwartz, random
+///             walk); bound and theta are infinite until the next reset. What writes into P otherwise is an error that
+///             is seen
 /// Compose     innermost: Guarded<Windowed<Certified<Ud<float>>>>
 /// F's bits are as without probes. Cost of a row 2 d (s + 1) multiplications, of a check 2 (s + 1) passes over what is
 /// stored; memory 3 d (s + 1) numbers of L. Allocates when it is made, and never again (F allowing).

@@ -404,7 +404,9 @@ private:
         if (!(options_.digits.wanted > 0) || counts_.rows % options_.digits.every != 0) return false;
         auto const found = filter_.certificate();
         bool const ended = is_finite(found.estimate) && !is_finite(found.bound);
-        return !ended && !(found.bound <= std::pow(10.0, -options_.digits.wanted));
+        double most = 1;
+        for (int i = 0; i < options_.digits.wanted; ++i) most /= 10;
+        return !ended && !(found.bound <= most);
     }
     /// The row root e_j, of output root theta_j.
     void hold(T* row, Index j, T const& root, T const& theta, Mask const& lanes) {

@@ -43,9 +43,9 @@ inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap
 
 /// Digits that P is asked to keep, and after how many rows the probes are looked at again. 0 digits: never.
 struct GuardedDigits {
-    double wanted;
+    int wanted;
     Index every;
-    constexpr GuardedDigits(double digits = 0, Index rows = 100) : wanted(digits), every(rows) {}
+    constexpr GuardedDigits(int digits = 0, Index rows = 100) : wanted(digits), every(rows) {}
 };
 /// In its place around a filter without probes: no number goes in.
 struct NoProbes {};

@@ -8,11 +8,11 @@
 
 namespace rlslab {
 
-/// high + low, |low| <= half an ulp of high: 106 bits or more, double's exponents. With u = 2^-53, and away from the ends
-/// of the exponents, the relative error of a sum is at most 3 u^2, of a product 5 u^2, of a quotient 15 u^2, of a root
-/// 4 u^2. An infinity or a NaN of `high` is the number, whatever `low` is. No product is fused: the same bits on every
-/// processor. 20, 25, 60 and 70 operations of double. Source: Joldes, Muller & Popescu 2017 (algorithms 6, 10, 17); the
-/// split: Dekker 1971; the root: one Newton step of double's.
+/// high + low, |low| <= half an ulp of high: 106 bits or more, double's exponents. With u = 2^-53, and away from the
+/// ends of the exponents, the relative error of a sum is at most 3 u^2, of a product 5 u^2, of a quotient 15 u^2, of a
+/// root 4 u^2. An infinity or a NaN of `high` is the number, whatever `low` is. No product is fused: the same bits on
+/// every processor. 20, 25, 60 and 70 operations of double. Source: Joldes, Muller & Popescu 2017 (algorithms 6, 10,
+/// 17); the split: Dekker 1971; the root: one Newton step of double's.
 class Pair {
     double high_ = 0, low_ = 0;
 
