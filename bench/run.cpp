@@ -28,6 +28,8 @@ class OneLineEach : public benchmark::BenchmarkReporter {
                    counter(run, "digits"), counter(run, "finite") != 0 ? "yes" : "no");
         if (run.counters.contains("ns_theta"))
             fmt::print("{:>12.1f}{:>12.1f}", counter(run, "ns_theta"), counter(run, "ns_longest"));
+        else if (run.counters.contains("over_ud"))
+            fmt::print("  {:.2f} of ud alone, a check {:.1f}", counter(run, "over_ud"), counter(run, "check"));
         fmt::print("\n");
     }
 
