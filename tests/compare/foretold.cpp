@@ -3,7 +3,7 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/model/signals.hpp>
-#include "src/lab/compare/foretold.hpp"
+#include "src/lab/compare/score.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

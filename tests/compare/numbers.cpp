@@ -1,6 +1,6 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "src/lab/compare/draws.hpp"
+#include "src/lab/compare/score.hpp"
 #include "src/lab/compare/exact_sums.hpp"
 #include "tests/common/laws.hpp"
 

@@ -1,9 +1,9 @@
 // compare judges the record in its own order: a plant at rest when the filter is switched on, draws of the roundings,
 // and rows whose sums are exact.
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/compare/draws.hpp"
+#include "src/lab/compare/score.hpp"
 #include "src/lab/compare/exact_sums.hpp"
-#include "src/lab/compare/prior_costs.hpp"
+#include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"
 #include "tests/common/message.hpp"

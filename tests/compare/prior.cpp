@@ -1,6 +1,5 @@
 // What a prior costs: the law against certified minimisers and against filters, its units, the ends of its range, and
 // the sentence that compare makes of it.
-#include "src/lab/compare/prior_costs.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/words.hpp"
 #include "tests/common/message.hpp"

@@ -1,8 +1,7 @@
 // From a comparison to a sentence and a few lines of C++.
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/compare/composed_words.hpp"
-#include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/words.hpp"
+#include "src/lab/compare/digits_answer.hpp"
 
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/input/text.hpp>

@@ -4,12 +4,11 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/composed_score.hpp"
-#include "src/lab/compare/draws.hpp"
+#include "src/lab/compare/score.hpp"
 #include "src/lab/compare/exact_sums.hpp"
 #include "src/lab/compare/fast_score.hpp"
 #include "src/lab/compare/probed.hpp"
 #include "src/lab/compare/recommend.hpp"
-#include "src/lab/compare/score.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/input/constant.hpp>

@@ -79,10 +79,10 @@ struct Result {
     CatalogueEntry const* entry;
     Digits last = {};                               ///< at the last row
     std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
-    int runs = 0, broken = 0;  ///< draws of the roundings (draws.hpp), and in how many the variant broke down
+    int runs = 0, broken = 0;  ///< draws of the roundings (score.hpp), and in how many the variant broke down
     OtherOrders others = {};   ///< where lambda = 1
     std::optional<Breakdown> breakdown = {};   ///< in the first run
-    std::optional<double> foretold = {};       ///< row at about which P will be indefinite (foretold.hpp)
+    std::optional<double> foretold = {};       ///< row at about which P will be indefinite (score.hpp)
     bool factor = false;                       ///< propagates a factor, which no rounding makes indefinite
     std::vector<Digits> path = {};             ///< at each of the comparison's checkpoints, in the first run
     double worst_low = -INFINITY;              ///< spread->worst.low before it is rounded
@@ -193,7 +193,7 @@ struct Comparison {
     std::vector<Recommendation> recommendations;
     std::optional<CertifiedSolution> without_prior = {};  ///< of all rows, as stored in double
     std::vector<ExactSums> exact = {};                    ///< the arithmetics in which sums are exact
-    std::vector<PriorCost> prior_costs = {};              ///< where somebody computed them: prior_costs.hpp
+    std::vector<PriorCost> prior_costs = {};              ///< where somebody computed them: prior_law.hpp
     std::vector<StartCost> start_costs = {};              ///< likewise
     std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
     std::shared_ptr<struct DigitsAnswer const> digits =

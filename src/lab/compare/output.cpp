@@ -1,11 +1,10 @@
 // A comparison as JSON and CSV, for programs.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/compare.hpp"
-#include "src/lab/compare/composed_words.hpp"
-#include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/foretold.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"
+#include "src/lab/compare/digits_answer.hpp"
+#include "src/lab/compare/score.hpp"
+#include "src/lab/compare/recommend.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

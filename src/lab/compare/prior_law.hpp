@@ -1,6 +1,8 @@
-// The prior variance c^2 at which a form keeps most digits of least squares, predicted from the records: what a given
-// one costs.
+// The prior variance c^2 at which a form keeps most digits of least squares, predicted from the records; what a given
+// one costs the forms that store P; and what a start costs those that correct theta row by row.
 #pragma once
+
+#include "src/lab/compare/compare.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/certified.hpp>
@@ -63,5 +65,25 @@ PriorLaw prior_law(Records const& records, CertifiedSolution const& least_square
 /// The same at this c^2 alone, without lines between points; nothing where there is no law.
 std::optional<PriorPoint> prior_point(Records const& records, CertifiedSolution const& least_squares, double c2,
                                       Vector<double> const& s = {});
+
+/// A loss below this is no reason for a warning.
+inline constexpr double least_prior_loss = 0.5;
+
+/// For each arithmetic of the comparison that rounds to nearest, has at most 53 bits and holds data and prior:
+/// `symmetric` (for all that update P by a difference), then `joseph`; predicted by prior_law.hpp. Empty with a
+/// composition, with lambda < 1, and where there is no law. Costs O(d^2) operations in 257 bits for each of at most
+/// max(4 d, 4e4 / d^2) rows and 14 priors: up to a second.
+/// `comparison` is what compare returned for these records.
+std::vector<PriorCost> prior_costs(Records const& records, Comparison const& comparison);
+
+/// For the same arithmetics and records, with the prior of the comparison: (5) of prior_law.hpp, and its loss to a
+/// start that has theta at once. One pass over those rows; fourteen where the loss is half a digit or more.
+std::vector<StartCost> start_costs(Records const& records, Comparison const& comparison);
+
+/// The sentence on what the start costs; "" where it is less than half a digit everywhere.
+std::string start_cost_text(Comparison const& comparison);
+
+/// The sentence on --p0; "" where it is scaled to the data, or costs less than half a digit everywhere.
+std::string prior_cost_text(Comparison const& comparison);
 
 }  // namespace rlslab::compare

@@ -1,10 +1,9 @@
 // A comparison as text for people: the answer, then what it rests on.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/compare.hpp"
-#include "src/lab/compare/composed_words.hpp"
+#include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/probed.hpp"
-#include "src/lab/compare/words.hpp"
 
 #include <rlslab/input/text.hpp>
 

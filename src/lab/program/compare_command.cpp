@@ -2,7 +2,7 @@
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/prior_costs.hpp"
+#include "src/lab/compare/prior_law.hpp"
 #include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/examples.hpp"
 #include "src/lab/program/record_options.hpp"
