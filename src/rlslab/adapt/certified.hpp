@@ -124,8 +124,7 @@ struct Probes {
     }
     void discount(L const& lambda) {
         weight *= lambda;
-        if constexpr (requires { L::lanes; } || std::floating_point<L>)
-            if (any(weight < L(0x1p-500))) settle();
+        if (any(weight < L(0x1p-500))) settle();
     }
     /// weight 1, the same m.
     void settle() {
