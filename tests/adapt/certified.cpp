@@ -172,6 +172,31 @@ TEST(Certificate, OfPairsHasNoFloor) {
     EXPECT_GT(doubles.certificate().estimate, 1.5 * truth);
 }
 
+/// 2^-3000 is beyond the exponents of the words but one: what m is kept over is settled in time.
+TEST(Certificate, StaysOverLongMemoriesInEachWord) {
+    auto const check = [](auto f) {
+        Seed rows{5};
+        double psi[3];
+        for (int k = 0; k < 3000; ++k) {
+            double const y = draw(rows, psi);
+            f.update(psi, y);
+        }
+        EXPECT_LT(double(f.certificate().bound), 1e-6);
+    };
+    Problem<double> const p{.size = 3, .forgetting = 0.5};
+    check(Certified<Ud<double>>(p));
+    check(Certified<Ud<double>, 3, Pair>(p));
+    check(Certified<Ud<double>, 3, R>(p));
+}
+TEST(Certificate, IsNoNumberWhereOneProbeIsNone) {
+    for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+        Certified<Ud<double>> f({.size = 2, .prior = Prior<double>{.variance = 1}}, Seed{seed});
+        f.update({1e154, 0.5e154}, 1);
+        auto const found = f.certificate();
+        EXPECT_TRUE(std::isinf(found.bound) || std::isfinite(found.estimate)) << seed;
+    }
+}
+
 // --- the estimate and the bound --------------------------------------------------------------------------------------
 
 /// Of an error of rank one |r_i| is |v'x_i|: the estimate is within a factor of 2 as often as chi-squared says, and the

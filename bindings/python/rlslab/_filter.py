@@ -249,7 +249,7 @@ class Filter(_core.Filter):
         parameter, x_i the probes and m_i = P^-1 x_i::
 
             m_i = forgetting m_i + psi (psi'x_i) at each row       r_i = Phat m_i - x_i = E x_i
-            estimate^2 = sum |r_i|^2 / s                           bound = 10 max |r_i|
+            estimate^2 = sum |r_i|^2 / s                           bound = 10 max |r_i| + u
 
         Returns
         -------

@@ -282,8 +282,9 @@ template <class L>
 struct Certificate {
     L estimate;         ///< of ||E||_F: the root of the mean of |r_i|^2
     L bound;            ///< 10 max |r_i| and 10 u sqrt(d) of the probes' word: >= ||E||_F but with probability
-                        ///< 0.08^probes; infinite where nothing is known
-    L theta;            ///< of |thetahat - theta| / |thetahat| where the bound holds; infinite where bound >= 1
+                        ///< 0.08^probes, where that is above the probes' own rounding; infinite: nothing is known
+    L theta;            ///< of |thetahat - theta| / |thetahat| where the bound holds and the probes' word is longer
+                        ///< than F's: the rounding of z is not in it. Infinite where bound >= 1
     Truth<L> definite;  ///< bound < 1: then Phat, where it is symmetric, is positive definite
 };
 
@@ -296,8 +297,9 @@ struct Certificate {
 ///   (5) t = Phat z - thetahat = theta - thetahat + E theta: |thetahat - theta| <= (|t| + bound |thetahat|) / (1 -
 ///       bound)
 ///
-/// The rounding of F does not depend on x, so that the expectation of |r_i|^2 is ||E||_F^2, and each |r_i| falls below
-/// a tenth of it with probability 0.08 at most (of the rank-one E; the rank of others makes it less likely). A
+/// What F does must not depend on x: take another seed than that of the data. Then the expectation of |r_i|^2 is
+/// ||E||_F^2, and each |r_i| falls below a tenth of it with probability 0.08 at most (rank one; other ranks make it less
+/// likely). Filters of one seed fail together; of n checks one fails with probability n 0.08^probes at most. A
 /// symmetric Phat is positive definite where ||E||_2 < 1: in the metric of P its eigenvalues are 1 + those of E. Where
 /// both triangles are stored and differ, that is not said of x'Phat x.
 /// L           the word of (3) to (5), a longer one than F's: rounding of (3) itself, of about 2^-53 kappa(P) in
@@ -401,7 +403,7 @@ public:
                 if (i == probes) length += in_unit * in_unit;
             }
             if (i == probes) apart = square_root(square), length = square_root(length);
-            else sum += square, largest = select(square <= largest, largest, square);  // a NaN is the largest
+            else sum += square, largest = select(square <= largest || largest != largest, largest, square);  // or NaN
         }
         L const infinite(std::numeric_limits<double>::infinity());
         L const floor(std::ldexp(std::sqrt(double(unit_.size())), -ArithmeticTraits<L>::digits));

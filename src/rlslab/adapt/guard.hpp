@@ -46,7 +46,8 @@ concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && Keep
 ///       breakdown F is as newly made, and after a change P^-1 is that of the rows sqrt(w_j) e_j alone, of output
 ///       sqrt(w_j) theta_j, w_j = 2^(-3p/4) max(psi_j^2, 2^(-p/4) / P_jj)
 ///
-///   (8) around probes (Certified), at each `digits.every`-th row: breakdown where their bound is above 10^-digits.
+///   (8) around probes (Certified), at each `digits.every`-th row, if it is taken: breakdown where their bound is above
+///       10^-digits.
 ///       Then P is (6)'s and the kept rows', and the next bound is of these. What older rows told is forgotten
 ///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
