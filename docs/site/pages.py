@@ -113,10 +113,10 @@ def studies():
     sources = {p: p.read_text() for p in sorted((root / "studies").glob("*/*.cpp"))}
     string = re.compile(r'\s*(?:R"tex\((.*?)\)tex"|"((?:[^"\\]|\\.)*)")', re.S)
     out = []
-    written = re.findall(r"^Study const (\w+)\{", "\n".join(sources.values()), re.M)
+    written = re.findall(r"^(?:extern )?Study const (\w+)\{", "\n".join(sources.values()), re.M)
     for name, verdicts in (full | {n: {} for n in written if n not in full}).items():
         path, code = next((p, t[m.start():]) for p, t in sources.items()
-                          if (m := re.search(rf"^Study const {name}\{{", t, re.M)))
+                          if (m := re.search(rf"^(?:extern )?Study const {name}\{{", t, re.M)))
         study = {"name": name, "folder": path.parent.name, "path": path.relative_to(root),
                  "verdicts": list(verdicts.items())}
         for field in ("question", "source", "formula", "interpretation", "data"):
