@@ -298,8 +298,8 @@ struct Certificate {
 ///       bound)
 ///
 /// What F does must not depend on x: take another seed than that of the data. Then the expectation of |r_i|^2 is
-/// ||E||_F^2, and each |r_i| falls below a tenth of it with probability 0.08 at most (rank one; other ranks make it less
-/// likely). Filters of one seed fail together; of n checks one fails with probability n 0.08^probes at most. A
+/// ||E||_F^2, and each |r_i| falls below a tenth of it with probability 0.08 at most (rank one; other ranks make it
+/// less likely). Filters of one seed fail together; of n checks one fails with probability n 0.08^probes at most. A
 /// symmetric Phat is positive definite where ||E||_2 < 1: in the metric of P its eigenvalues are 1 + those of E. Where
 /// both triangles are stored and differ, that is not said of x'Phat x.
 /// L           the word of (3) to (5), a longer one than F's: rounding of (3) itself, of about 2^-53 kappa(P) in
