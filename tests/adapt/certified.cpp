@@ -347,6 +347,13 @@ TEST(Certificate, HasTheSameBitsOnEveryInstructionSet) {
     });
     kernels::isa = here;
 }
+TEST(Certificate, RefusesAProblemOfAnotherSize) {
+    Ud<double> const f({.size = 3});
+    Problem<double> p{.size = 2, .prior = Prior<double>{.covariance = Matrix<double>::Identity(2, 2)}};
+    EXPECT_THROW((Certified<Ud<double>>(f, p)), std::invalid_argument);
+    p.prior = Prior<double>{.theta = Vector<double>::Zero(2)};
+    EXPECT_THROW((Certified<Ud<double>>(f, p)), std::invalid_argument);
+}
 TEST(Certificate, IsInTheState) {
     using F = Certified<Ud<float, 4>>;
     Problem<float> const p{.size = 4, .forgetting = 0.96875F};

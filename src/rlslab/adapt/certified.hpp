@@ -346,7 +346,7 @@ public:
         exact.size = d;
         StateMatrix<L, N> A(d);
         StateVector<L, N> D(d);
-        start_information(exact, A, D);
+        start_information(checked(exact), A, D);
         for (Index j = 0; j < d; ++j) {
             unit_[j] = L(1);
             if (problem.prior)
