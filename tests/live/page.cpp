@@ -194,16 +194,14 @@ TEST(LivePage, EigenvaluesAreThoseOfAKnownMatrix) {
     for (int i = 0; i < d; ++i)
         for (int j = 0; j < d; ++j)
             for (int k = 0; k < d; ++k) {
-                auto const q = [&](int a) {
-                    return DoubleDouble(a == k ? 1 : 0) - DoubleDouble(2 * v[a] * v[k]) / DoubleDouble(30);
-                };
-                A[size_t(i)][size_t(j)] += q(i) * DoubleDouble(l[k]) * q(j);
+                auto const q = [&](int a) { return Pair(a == k ? 1 : 0) - Pair(2 * v[a] * v[k]) / Pair(30); };
+                A[size_t(i)][size_t(j)] += q(i) * Pair(l[k]) * q(j);
             }
     auto const found = eigenvalues(A, d);
     EXPECT_NEAR(found[0] / l[0], 1, 1e-15);
     EXPECT_NEAR(found[1] / l[1], 1, 1e-10);
     EXPECT_NEAR(found[2] / l[2], 1, 1e-5) << "106 bits below the largest";
-    A[0][0] = DoubleDouble(std::numeric_limits<double>::quiet_NaN());
+    A[0][0] = Pair(std::numeric_limits<double>::quiet_NaN());
     EXPECT_NE(eigenvalues(A, d)[0], eigenvalues(A, d)[0]);
 }
 TEST(LivePage, ATinyNegativePivotIsIndefinite) {

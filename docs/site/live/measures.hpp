@@ -2,8 +2,7 @@
 // numbers, so that the measurement adds no error that could be seen.
 #pragma once
 
-#include "docs/site/live/double_double.hpp"
-
+#include <rlslab/arithmetic/pair.hpp>
 #include <rlslab/core/stored.hpp>
 
 #include <algorithm>
@@ -15,7 +14,7 @@
 namespace rlslab::live {
 
 inline constexpr int most_parameters = 12;
-using Numbers = std::array<DoubleDouble, most_parameters>;
+using Numbers = std::array<Pair, most_parameters>;
 /// The first d x d numbers are used.
 using Square = std::array<Numbers, most_parameters>;
 
@@ -27,15 +26,15 @@ inline bool all_finite(Square const& A, int d) {
 }
 inline void symmetrise(Square& A, int d) {
     for (int i = 0; i < d; ++i)
-        for (int j = 0; j < i; ++j) A[i][j] = A[j][i] = (A[i][j] + A[j][i]) * DoubleDouble(0.5);
+        for (int j = 0; j < i; ++j) A[i][j] = A[j][i] = (A[i][j] + A[j][i]) * Pair(0.5);
 }
 /// Whether all pivots of A = L D L' are positive; L and D take its place. d^3/6 multiplications.
 inline bool factor(Square& A, int d) {
     bool positive = true;
     for (int j = 0; j < d; ++j) {
-        positive = positive && A[j][j] > DoubleDouble(0);
+        positive = positive && A[j][j] > Pair(0);
         for (int i = j + 1; i < d; ++i) {
-            DoubleDouble const l = A[i][j] / A[j][j];
+            Pair const l = A[i][j] / A[j][j];
             for (int k = j + 1; k <= i; ++k) A[i][k] -= l * A[k][j];
         }
         for (int i = j + 1; i < d; ++i) A[i][j] /= A[j][j];
@@ -47,13 +46,13 @@ inline Square inverse(Square const& L, Numbers const& D, int d, bool unit) {
     Square G{}, out{};
     for (int j = 0; j < d; ++j)
         for (int i = j; i < d; ++i) {
-            DoubleDouble sum(i == j ? 1 : 0);
+            Pair sum(i == j ? 1 : 0);
             for (int k = j; k < i; ++k) sum -= L[i][k] * G[k][j];
             G[i][j] = unit ? sum : sum / L[i][i];
         }
     for (int i = 0; i < d; ++i)
         for (int j = 0; j <= i; ++j) {
-            DoubleDouble sum(0);
+            Pair sum(0);
             for (int k = i; k < d; ++k) sum += G[k][i] * G[k][j] / D[k];
             out[i][j] = out[j][i] = sum;
         }
@@ -65,10 +64,10 @@ template <class T>
 void widen(Stored<T> const& stored, Square& F, Numbers& D) {
     int const d = int(stored.F.rows());
     for (int i = 0; i < d; ++i) {
-        D[i] = stored.D.size() > 0 ? DoubleDouble(static_cast<double>(stored.D[i])) : DoubleDouble(1);
+        D[i] = stored.D.size() > 0 ? Pair(static_cast<double>(stored.D[i])) : Pair(1);
         for (int j = 0; j < d; ++j)
-            if constexpr (std::same_as<T, DoubleDouble>) F[i][j] = stored.F(i, j);
-            else F[i][j] = DoubleDouble(static_cast<double>(stored.F(i, j)));
+            if constexpr (std::same_as<T, Pair>) F[i][j] = stored.F(i, j);
+            else F[i][j] = Pair(static_cast<double>(stored.F(i, j)));
     }
 }
 /// Whether the symmetric part of P is positive definite; of a factor without D: whether it is finite, and where it is
@@ -85,8 +84,8 @@ bool is_definite(Stored<T> const& stored) {
         return factor(F, d);
     }
     for (int i = 0; i < d; ++i)
-        if (!isfinite(D[i]) || !(D[i] > DoubleDouble(0)) ||
-            (stored.quantity == Stored<T>::Quantity::information && F[i][i] == DoubleDouble(0)))
+        if (!isfinite(D[i]) || !(D[i] > Pair(0)) ||
+            (stored.quantity == Stored<T>::Quantity::information && F[i][i] == Pair(0)))
             return false;
     return true;
 }
@@ -109,7 +108,7 @@ Square covariance_of_stored(Stored<T> const& stored) {
     Square out{};
     for (int i = 0; i < d; ++i)
         for (int j = 0; j <= i; ++j) {
-            DoubleDouble sum(0);
+            Pair sum(0);
             for (int k = 0; k < d; ++k) sum += F[i][k] * D[k] * F[j][k];
             out[i][j] = out[j][i] = sum;
         }
@@ -152,17 +151,16 @@ inline std::array<double, most_parameters> eigenvalues(Square A, int d) {
                     apq == 0)
                     continue;
                 rotated = true;
-                DoubleDouble const ratio = (A[q][q] - A[p][p]) / (DoubleDouble(2) * A[p][q]),
-                                   size = ratio < DoubleDouble(0) ? -ratio : ratio;
-                DoubleDouble t = DoubleDouble(1) / (size + sqrt(DoubleDouble(1) + size * size));
-                if (!isfinite(t)) t = DoubleDouble(0);
-                if (ratio < DoubleDouble(0)) t = -t;
-                DoubleDouble const c = DoubleDouble(1) / sqrt(DoubleDouble(1) + t * t), s = c * t, step = t * A[p][q];
+                Pair const ratio = (A[q][q] - A[p][p]) / (Pair(2) * A[p][q]), size = ratio < Pair(0) ? -ratio : ratio;
+                Pair t = Pair(1) / (size + sqrt(Pair(1) + size * size));
+                if (!isfinite(t)) t = Pair(0);
+                if (ratio < Pair(0)) t = -t;
+                Pair const c = Pair(1) / sqrt(Pair(1) + t * t), s = c * t, step = t * A[p][q];
                 A[p][p] -= step, A[q][q] += step;
-                A[p][q] = A[q][p] = DoubleDouble(0);
+                A[p][q] = A[q][p] = Pair(0);
                 for (int i = 0; i < d; ++i) {
                     if (i == p || i == q) continue;
-                    DoubleDouble const x = A[i][p], y = A[i][q];
+                    Pair const x = A[i][p], y = A[i][q];
                     A[i][p] = A[p][i] = c * x - s * y;
                     A[i][q] = A[q][i] = s * x + c * y;
                 }

@@ -50,7 +50,7 @@ struct Page {
     std::vector<size_t> inputs;  // of the next rows
     Rows rows;
     std::optional<Source> source;
-    std::optional<Qr<DoubleDouble>> reference;
+    std::optional<Qr<Pair>> reference;
     Exact exact;
     std::array<std::unique_ptr<Running>, variants> running;
     double forgetting = 1, prior = 1;
@@ -89,7 +89,7 @@ struct Page {
             source.reset();
             return refuse("expected a P0 within the range of exponents");
         }
-        reference.emplace(problem.mapped<DoubleDouble>([](double x) { return DoubleDouble(x); }));
+        reference.emplace(problem.mapped<Pair>([](double x) { return Pair(x); }));
         for (int v = 0; v < variants; ++v) {
             running[size_t(v)].reset();
             if (chosen >> v & 1)
@@ -111,10 +111,10 @@ struct Page {
         for (; i < std::min(n, most_at_once) && source->next(psi, y); ++i) {
             ++taken;
             bool const measured = taken % every == 0 || taken == source->rows();
-            Vector<DoubleDouble> exact_psi(d);
-            for (int j = 0; j < d; ++j) exact_psi[j] = DoubleDouble(psi[j]);
+            Vector<Pair> exact_psi(d);
+            for (int j = 0; j < d; ++j) exact_psi[j] = Pair(psi[j]);
             // What a guard is there for is skipped: then digits say what it missed.
-            if (now.guard == 0 || !source->at_outlier()) reference->update(exact_psi, DoubleDouble(y));
+            if (now.guard == 0 || !source->at_outlier()) reference->update(exact_psi, Pair(y));
             exact.theta = reference->theta();
             if (measured) exact.P = covariance_of_stored(reference->stored());
             for (size_t v = 0; v < variants; ++v) {
@@ -165,7 +165,7 @@ struct Page {
         std::fill(std::begin(theta), std::end(theta), 0.0);
         bool const is_reference = v == variants;
         for (int i = 0; source && taken > 0 && i < source->d(); ++i)
-            if (is_reference) theta[i] = double(exact.theta[i]), theta[source->d() + i] = exact.theta[i].tail();
+            if (is_reference) theta[i] = double(exact.theta[i]), theta[source->d() + i] = exact.theta[i].low();
             else if (v >= 0 && v < variants && running[size_t(v)]) theta[i] = running[size_t(v)]->theta[size_t(i)];
         return theta;
     }

@@ -15,7 +15,7 @@ namespace rlslab::live {
 
 /// The reference after a row.
 struct Exact {
-    Vector<DoubleDouble> theta;
+    Vector<Pair> theta;
     Square P;  ///< only where rows are measured
 };
 
@@ -87,7 +87,7 @@ public:
         for (Index i = 0; i < now.size(); ++i) {
             theta[size_t(i)] = static_cast<double>(now[i]);
             add_to(hash, theta[size_t(i)]);
-            double const e = double(DoubleDouble(theta[size_t(i)]) - exact.theta[i]), x = double(exact.theta[i]);
+            double const e = double(Pair(theta[size_t(i)]) - exact.theta[i]), x = double(exact.theta[i]);
             error += e * e, size += x * x;
         }
         digits = digits_of(error, size);

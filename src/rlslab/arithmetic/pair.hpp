@@ -11,8 +11,9 @@ namespace rlslab {
 /// high + low, |low| <= half an ulp of high: 106 bits or more, double's exponents. With u = 2^-53, and away from the
 /// ends of the exponents, the relative error of a sum is at most 3 u^2, of a product 5 u^2, of a quotient 15 u^2, of a
 /// root 4 u^2. An infinity or a NaN of `high` is the number, whatever `low` is. No product is fused: the same bits on
-/// every processor. 20, 25, 60 and 70 operations of double. Source: Joldes, Muller & Popescu 2017 (algorithms 6, 10,
-/// 17); the split: Dekker 1971; the root: one Newton step of double's.
+/// every processor. 20, 25, 140 and 70 operations of double. Source: Joldes, Muller & Popescu 2017 (algorithms 6 and
+/// 10); the split: Dekker 1971; the quotient by long division, the root by a Newton step of double's: their bounds are
+/// those of a search (tests/arithmetic/pair.cpp).
 class Pair {
     double high_ = 0, low_ = 0;
 
@@ -59,8 +60,10 @@ public:
     friend Pair operator/(Pair const& a, Pair const& b) {
         double const q = a.high_ / b.high_;
         if (!std::isfinite(q) || q == 0) return q;
-        Pair const left = a - b * Pair(q);
-        return finished(q, left.high_ / b.high_);
+        Pair left = a - Pair(q) * b;
+        double const second = left.high_ / b.high_;
+        left = left - Pair(second) * b;
+        return fast_two_sum(q, second) + Pair(left.high_ / b.high_);
     }
     friend Pair sqrt(Pair const& a) {
         double const root = std::sqrt(a.high_);
