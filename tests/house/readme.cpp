@@ -47,7 +47,7 @@ TEST(Readme, TheTablesOfVariantsAreMeasured) {
     std::set<std::string_view> seen;
     for (CatalogueEntry const& entry : catalogue())
         if (seen.insert(entry.variant).second) {
-            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in README the row\n"
+            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in a table of README the row\n"
                                                                                << short_row(entry);
             EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos)
                 << "expected in docs/compare.md the row\n"
