@@ -241,6 +241,15 @@ class Sources(unittest.TestCase):
             page: "docs/" + "theory.md 1, docs/" + "theory.md\n/// 999, [a](nowhere.hpp), [b](../README.md)"})],
             ["theory.md 999", "nowhere.hpp"])
 
+    def test_no_formula_is_parted_by_what_begins_a_list(self):
+        def parted(text):
+            prose = re.sub(r"```.*?```|``[^`]*``|`[^`]*`", "", text, flags=re.S)
+            blocks = re.split(r"\n\s*\n|\n(?= *(?:[-+*>#|]|\d+[.)]) )", prose)
+            return [b for b in blocks if b.replace("$$", "").count("$") % 2]
+        for page in sorted((root / "docs").glob("*.md")):
+            self.assertEqual(parted(page.read_text()), [], page.name)
+        self.assertEqual(len(parted("It is $a\n- b$ at most, and $c$.")), 2)
+
     def test_a_dead_link_and_a_request_are_found(self):
         with tempfile.TemporaryDirectory() as folder:
             page = pathlib.Path(folder) / "a.html"
