@@ -130,7 +130,8 @@ async function site() {
     fs.writeFileSync(to, text);
   }
   for (const [link, title] of [["#home", "first"], ["#table a[href$='/ud.html']", "ud"]]) {
-    await open("#variants=ud", "docs/site/live/index.html");
+    await open("#variants=ud", "site/live/index.html");
+    await until(`document.querySelector("${link}")`);    // the table comes with the first answer
     await evaluate(`document.querySelector("${link}").click()`);
     await until("document.readyState === 'complete' && document.title !== '' && !document.title.startsWith('rlslab')");
     check(await evaluate("document.title") === title, `on a site, ${link} leads to ${await evaluate("location.href")}`);
