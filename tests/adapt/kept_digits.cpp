@@ -71,6 +71,24 @@ TEST(GuardedDigits, OfACertificateThatHasEndedAreNotAskedFor) {
     EXPECT_THROW((Guarded<F>({.size = 5}, {.digits = -1})), std::invalid_argument);
     EXPECT_THROW((Guarded<F>({.size = 5}, {.digits = {4, 0}})), std::invalid_argument);
 }
+/// Numbers that overflow are a breakdown, but of a certificate that has ended.
+TEST(GuardedDigits, TellAnOverflowFromAnEnd) {
+    Problem<double> const p{.size = 3};
+    auto const breakdowns = []<class F>(Guarded<F, rebuilding> f) {
+        Seed seed{7};
+        double psi[3];
+        for (int k = 1; k <= 20; ++k) {
+            double const y = draw(seed, psi);
+            f.update(psi, y);
+            for (int i = 0; i < 3 && k == 10; ++i) f.form().D[i] = 1e170;  // |r_i|^2 overflows after a row and a cap
+        }
+        return f.counts().breakdowns;
+    };
+    using F = Certified<Ud<double>>;
+    GuardOptions<double, true> const options{.innovation = 0, .digits = {4, 1}};
+    EXPECT_EQ(breakdowns(Guarded<F, rebuilding>(p, options)), 1);
+    EXPECT_EQ(breakdowns(Guarded<Forgetting<F, Kulhavy<double>>, rebuilding>(p, options)), 0);
+}
 TEST(GuardedDigits, AreNotInTheState) {
     using F = Guarded<Certified<Ud<float>>, rebuilding>;
     F f({.size = 5}, {.digits = 4}), other({.size = 5});

@@ -286,6 +286,7 @@ struct Certificate {
     L theta;            ///< of |thetahat - theta| / |thetahat| where the bound holds and the probes' word is longer
                         ///< than F's: the rounding of z is not in it. Infinite where bound >= 1
     Truth<L> definite;  ///< bound < 1: then Phat, where it is symmetric, is positive definite
+    Truth<L> ended = false;  ///< a rule has added to P: the bound is infinite for that, whatever the numbers are
 };
 
 /// F, and s random probes that show what rounding, a flipped bit or wrong code has made of P and theta. With X = P^-1,
@@ -407,8 +408,9 @@ public:
         }
         L const infinite(std::numeric_limits<double>::infinity());
         L const floor(std::ldexp(std::sqrt(double(unit_.size())), -ArithmeticTraits<L>::digits));
-        Certificate<L> out{square_root(L(sum / L(probes))), L(10) * (square_root(largest) + floor), infinite, false};
-        out.bound = select(out.bound < infinite && Truth<L>(!probes_.ended), out.bound, infinite);
+        Certificate<L> out{square_root(L(sum / L(probes))), L(10) * (square_root(largest) + floor), infinite, false,
+                           probes_.ended};
+        out.bound = select(out.bound < infinite && !out.ended, out.bound, infinite);
         out.definite = out.bound < L(1);
         L const worst = (apart / length + out.bound) / (L(1) - out.bound);
         out.theta = select(out.definite && worst < infinite, worst, infinite);

@@ -399,13 +399,12 @@ private:
         }
         return lanes && !good;
     }
-    /// (8). Of a certificate that has ended nothing is known.
+    /// (8). Of a certificate that has ended nothing is known; an infinite bound of another is none.
     bool lacks_digits() {
         if (!(options_.digits.wanted > 0) || counts_.rows % options_.digits.every != 0) return false;
         auto found = filter_.certificate();
-        bool const ended = is_finite(found.estimate) && !is_finite(found.bound);
         for (int i = 0; i < options_.digits.wanted; ++i) found.bound *= 10;
-        return !ended && !(found.bound <= 1);
+        return !found.ended && !(found.bound <= 1);
     }
     /// The row root e_j, of output root theta_j.
     void hold(T* row, Index j, T const& root, T const& theta, Mask const& lanes) {
