@@ -89,6 +89,21 @@ TEST(GuardedDigits, TellAnOverflowFromAnEnd) {
     EXPECT_EQ(breakdowns(Guarded<F, rebuilding>(p, options)), 1);
     EXPECT_EQ(breakdowns(Guarded<Forgetting<F, Kulhavy<double>>, rebuilding>(p, options)), 0);
 }
+/// A check that would fall on a row that is refused or skipped is made at the next row taken.
+TEST(GuardedDigits, OfARowThatIsNotTakenAreLookedAtWithTheNext) {
+    for (float const bad : {1e30F, 1e6F}) {  // beyond (1), and an outlier
+        Guarded<Certified<Ud<float>>, rebuilding> f({.size = 5}, {.digits = {4, 50}});
+        Seed seed{7};
+        float psi[5];
+        for (int k = 1; k <= 201; ++k) {
+            float const y = draw(seed, psi);
+            if (k == 200) f.form().D[2] *= 1.5F;
+            f.update(psi, k == 200 ? bad : y);
+            ASSERT_EQ(f.counts().breakdowns, k > 200) << k << " " << bad;
+        }
+        EXPECT_EQ(f.counts().unusable + f.counts().outliers, 1) << bad;
+    }
+}
 TEST(GuardedDigits, AreNotInTheState) {
     using F = Guarded<Certified<Ud<float>>, rebuilding>;
     F f({.size = 5}, {.digits = 4}), other({.size = 5});

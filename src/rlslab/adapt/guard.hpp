@@ -46,7 +46,7 @@ concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && Keep
 ///       breakdown F is as newly made, and after a change P^-1 is that of the rows sqrt(w_j) e_j alone, of output
 ///       sqrt(w_j) theta_j, w_j = 2^(-3p/4) max(psi_j^2, 2^(-p/4) / P_jj)
 ///
-///   (8) around probes (Certified), at each `digits.every`-th row, if taken: breakdown where bound > 10^-digits.
+///   (8) around probes (Certified), at each `digits.every`-th row that F takes: breakdown where bound > 10^-digits.
 ///       Then P is (6)'s and the kept rows', and the next bound is of these. What older rows told is forgotten
 ///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
@@ -401,7 +401,7 @@ private:
     }
     /// (8). Of a certificate that has ended nothing is known; an infinite bound of another is none.
     bool lacks_digits() {
-        if (!(options_.digits.wanted > 0) || counts_.rows % options_.digits.every != 0) return false;
+        if (!(options_.digits.wanted > 0) || policy.taken(counts_) % options_.digits.every != 0) return false;
         auto found = filter_.certificate();
         for (int i = 0; i < options_.digits.wanted; ++i) found.bound *= 10;
         return !found.ended && !(found.bound <= 1);

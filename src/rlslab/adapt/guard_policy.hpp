@@ -1,6 +1,7 @@
 // What a guard does about what it sees: actions, policies, and THE list of policies.
 #pragma once
 
+#include <rlslab/adapt/guard_signal.hpp>
 #include <rlslab/core/matrices.hpp>
 #include <rlslab/core/scalar.hpp>
 
@@ -30,6 +31,11 @@ struct GuardPolicy {
     constexpr bool intervenes() const { return outlier != Action::report || windup != Action::report || resets(); }
     constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
     constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
+    /// Rows that reached the filter.
+    constexpr Index taken(GuardCounts const& n) const {
+        Index const unseen = outlier != Action::skip ? 0 : n.outliers - (change == Action::reset ? n.changes : 0);
+        return n.rows - n.unusable - unseen;
+    }
     constexpr bool valid() const {
         return (outlier == Action::report || outlier == Action::skip) &&
                (change == Action::report || change == Action::reset) &&
@@ -41,7 +47,8 @@ inline constexpr GuardPolicy reporting{};
 inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
 
-/// Digits that P is asked to keep, and after how many rows the probes are looked at again. 0 digits: never.
+/// Digits that P is asked to keep, and after how many rows that the filter took the probes are looked at again. 0
+/// digits: never.
 struct GuardedDigits {
     int wanted;
     Index every;
