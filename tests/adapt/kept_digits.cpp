@@ -6,6 +6,7 @@
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/window.hpp>
+#include <rlslab/arithmetic/pair.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -103,6 +104,28 @@ TEST(GuardedDigits, OfARowThatIsNotTakenAreLookedAtWithTheNext) {
         }
         EXPECT_EQ(f.counts().unusable + f.counts().outliers, 1) << bad;
     }
+}
+/// The most that is asked is kept by a filter that does nothing; one more is refused, and said.
+template <class F>
+void at_most(Index d, int most) {
+    using T = typename F::scalar;
+    Problem<T> const p{.size = d};
+    Guarded<F> f(p, {.digits = {most, 1}});
+    Vector<T> const zeros = Vector<T>::Zero(d);
+    for (int k = 0; k < 5; ++k) f.update(zeros, T(0));
+    EXPECT_EQ(f.counts().breakdowns, 0);
+    try {
+        Guarded<F> const refused(p, {.digits = most + 1});
+        ADD_FAILURE() << most + 1 << " digits";
+    } catch (std::invalid_argument const& e) {
+        EXPECT_EQ(e.what(), "expected digits <= " + std::to_string(most) + ", all that a bound in these words shows");
+    }
+}
+TEST(GuardedDigits, BeyondTheWordsAreRefused) {
+    at_most<Certified<Ud<float>>>(5, 6);
+    at_most<Certified<Ud<double>>>(3, 14);
+    at_most<Certified<Ud<double>>>(128, 13);
+    at_most<Certified<Ud<double>, 3, Pair>>(128, 14);
 }
 TEST(GuardedDigits, AreNotInTheState) {
     using F = Guarded<Certified<Ud<float>>, rebuilding>;

@@ -108,8 +108,7 @@ public:
                 "options >= 0");
         expects(all(T(0) < options.asymmetry) && options.noise_memory >= 1 && options.rebuild_rows >= 0,
                 "options that make sense");
-        if constexpr (certified)
-            expects(options.digits.wanted >= 0 && options.digits.every >= 1, "digits >= 0, of every row or more");
+        if constexpr (certified) options.digits.template check<T, decltype(filter_.certificate().bound)>(psi_.size());
         if constexpr (in_packs)
             for (T const& x : {options.innovation, options.least_noise, options.asymmetry})
                 expects(all(x == T(x[0])), "innovation, least_noise and asymmetry that are alike in all lanes");

@@ -5,6 +5,9 @@
 #include <rlslab/core/matrices.hpp>
 #include <rlslab/core/scalar.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <string_view>
 
 namespace rlslab {
@@ -53,6 +56,19 @@ struct GuardedDigits {
     int wanted;
     Index every;
     constexpr GuardedDigits(int digits = 0, Index rows = 100) : wanted(digits), every(rows) {}
+    /// Of d parameters in T with probes in L: refuses more than a bound can show, which is at least 10 sqrt(d) u of L,
+    /// and hardly below 10 u of T.
+    template <class T, class L>
+    void check(Index d) const {
+        expects(wanted >= 0 && every >= 1, "digits >= 0, of every row or more");
+        double const of_T = std::ldexp(1.0, -significand_bits<T>()), of_L = std::ldexp(1.0, -significand_bits<L>());
+        double bound = 10 * std::max(of_T, std::sqrt(double(d)) * of_L);
+        int most = -1;
+        for (; bound <= 1; bound *= 10) ++most;
+        char what[64];
+        std::snprintf(what, sizeof what, "digits <= %d, all that a bound in these words shows", most);
+        expects(wanted <= most, what);
+    }
 };
 /// In its place around a filter without probes: no number goes in.
 struct NoProbes {};
