@@ -108,7 +108,7 @@ struct Probes {
     ProbeVectors<L, N, s> x, m;  // vector s of m is z; that of x is zero
     StateVector<L, N> psi;       // workspace: the row in L
     L weight = L(1);
-    bool ended = false;  // P was changed in a way that m cannot follow
+    Truth<L> ended = false;  // P was changed in a way that m cannot follow
     explicit Probes(Index d)
         : x(probe_vectors<ProbeVectors<L, N, s>>(d)), m(probe_vectors<ProbeVectors<L, N, s>>(d)), psi(d) {}
 
@@ -124,12 +124,11 @@ struct Probes {
     }
     void discount(L const& lambda) {
         weight *= lambda;
-        if (any(weight < L(0x1p-500))) settle();
-    }
-    /// weight 1, the same m.
-    void settle() {
-        for (auto& v : m) scale(v, weight, v);
-        weight = L(1);
+        Truth<L> const small = weight < L(0x1p-500);
+        if (!any(small)) return;  // else there weight 1, the same m
+        L const by = select(small, weight, L(1));
+        for (auto& v : m) scale(v, by, v);
+        weight = select(small, L(1), weight);
     }
     /// X = I / variance; variance 0: X = 0.
     template <class T>
@@ -162,7 +161,8 @@ void inflate(ProbedForm<Form, P> f, typename Form::scalar const& c, Regressor<ty
     requires requires { inflate(f.inside(), c, a); }
 {
     inflate(f.inside(), c, a);
-    f.probes.ended = f.probes.ended || any(!(c == typename Form::scalar(0)));
+    using L = std::remove_cvref_t<decltype(f.probes.weight)>;
+    f.probes.ended = f.probes.ended || !(widened<L>(c) == L(0));
 }
 template <class Form, class P>
 void reset(ProbedForm<Form, P> f, typename Form::scalar const& variance, Regressor<typename Form::scalar> theta) {
