@@ -55,10 +55,10 @@ rlslab_status numbers(rlslab_filter const* filter, double* out, rlslab_status re
 
 rlslab_status rlslab_new(char const* variant, char const* arithmetic, rlslab_options const* options,
                          rlslab_filter** out) {
-    return rlslab_new_certified(variant, arithmetic, options, 0, out);
+    return rlslab_new_certified(variant, arithmetic, options, 0, 0, out);
 }
 rlslab_status rlslab_new_certified(char const* variant, char const* arithmetic, rlslab_options const* options,
-                                   std::size_t probes, rlslab_filter** out) {
+                                   std::size_t probes, std::size_t digits, rlslab_filter** out) {
     if (!out) return null_among({{"out", out}});
     *out = nullptr;
     Request const request{variant, arithmetic, options};
@@ -67,6 +67,7 @@ rlslab_status rlslab_new_certified(char const* variant, char const* arithmetic, 
         [&] {
             native::Options read = request.read();
             read.certify = native::Index(std::min(probes, std::size_t(PTRDIFF_MAX)));
+            read.digits = native::Index(std::min(digits, std::size_t(PTRDIFF_MAX)));
             *out = handle(native::make(variant, arithmetic, read));
         },
         request.refused());

@@ -80,9 +80,10 @@ typedef struct rlslab_filter rlslab_filter;
 rlslab_status rlslab_new(char const* variant, char const* arithmetic, rlslab_options const* options,
                          rlslab_filter** out);
 // The same bits, and probes that follow every row, in double: 1 to 6 of them, 3 where in doubt; 0: none. Not of kalman,
-// extended_qr and qr_block.
+// extended_qr and qr_block. digits > 0: asked of P by the guard, which takes a bound above 10^-digits at every 100th
+// row for a breakdown; not in a state.
 rlslab_status rlslab_new_certified(char const* variant, char const* arithmetic, rlslab_options const* options,
-                                   size_t probes, rlslab_filter** out);
+                                   size_t probes, size_t digits, rlslab_filter** out);
 rlslab_status rlslab_copy(rlslab_filter const* filter, rlslab_filter** out);
 void rlslab_free(rlslab_filter* filter);                     // or null
 rlslab_status rlslab_reset(rlslab_filter* filter);           // as it was made

@@ -15,15 +15,15 @@ struct Arguments {
     View theta, covariance, control_numbers, guard_numbers;
 
     /// (variant, arithmetic, size, forgetting, prior_variance, prior_theta, prior_covariance, window, guard, control,
-    /// control_numbers, guard_numbers, noise_memory, rebuild_rows, certify, filters): arrays of float64, or None.
-    /// `filters` has no meaning for one filter. False with Python's error set.
+    /// control_numbers, guard_numbers, noise_memory, rebuild_rows, certify, digits, filters): arrays of float64, or
+    /// None. `filters` has no meaning for one filter. False with Python's error set.
     bool parse(PyObject* args, Py_ssize_t& filters) {
         PyObject *theta0, *P0, *numbers, *of_guard;
         char const *guard, *control;
-        Py_ssize_t size, window, memory, rows, certify;
-        if (!PyArg_ParseTuple(args, "ssnddOOnssOOnnnn", &variant, &arithmetic, &size, &options.forgetting,
+        Py_ssize_t size, window, memory, rows, certify, digits;
+        if (!PyArg_ParseTuple(args, "ssnddOOnssOOnnnnn", &variant, &arithmetic, &size, &options.forgetting,
                               &options.prior_variance, &theta0, &P0, &window, &guard, &control, &numbers, &of_guard,
-                              &memory, &rows, &certify, &filters))
+                              &memory, &rows, &certify, &digits, &filters))
             return false;
         options.size = size;
         options.window = window;
@@ -32,6 +32,7 @@ struct Arguments {
         options.noise_memory = memory;
         options.rebuild_rows = rows;
         options.certify = certify;
+        options.digits = digits;
         if (!optional(theta, theta0, size) || !optional(covariance, P0, -1) ||
             !optional(control_numbers, numbers, -1) || !optional(guard_numbers, of_guard, 4))
             return false;

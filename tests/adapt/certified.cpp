@@ -389,6 +389,44 @@ TEST(Certificate, OfPacksIsThatOfEachLane) {
         EXPECT_TRUE(same(found.theta[lane], of.theta) && found.definite[lane] == of.definite) << lane;
     }
 }
+/// As the scalar guards, though one lane is spoiled, another refuses rows, a third restarts, and a fourth is inflated.
+template <class T>
+void check_lanes_apart(double lambda, int rows_in_all) {
+    using P = Pack<T, 8>;
+    using Alone = Guarded<Certified<Ud<T, 3>>>;
+    Guarded<Certified<Ud<P, 3>>> packs({.size = 3, .forgetting = P(T(lambda))});
+    std::vector<Alone> alone(8, Alone({.size = 3, .forgetting = T(lambda)}));
+    P added(T(0));
+    added.set(4, T(0.5));
+    Seed rows{13};
+    for (int k = 0; k < rows_in_all; ++k) {
+        P psi[3], y;
+        for (int lane = 0; lane < 8; ++lane) {
+            T one[3];
+            T out = draw(rows, one, 0.125, lane == 3 && k >= 100 ? -1 : 1);  // lane 3 changes
+            if (lane == 2 && k % 20 == 10) out = T(1e30);                    // lane 2 skips
+            for (int i = 0; i < 3; ++i) psi[i].set(lane, one[i]);
+            y.set(lane, out);
+            if (k == 150 && lane == 4) inflate(alone[4].form(), T(0.5), Regressor<T>(one));
+            alone[size_t(lane)].update(one, out);
+        }
+        if (k == 150) inflate(packs.form(), added, Regressor<P>(psi));
+        packs.update(psi, y);
+        if (k % 25 != 24) continue;
+        auto const found = packs.certificate();
+        for (int lane = 0; lane < 8; ++lane) {
+            Certificate<double> const of = alone[size_t(lane)].certificate();
+            EXPECT_TRUE(same(found.bound[lane], of.bound) && same(found.theta[lane], of.theta)) << k << " " << lane;
+            EXPECT_EQ(of.ended, lane == 4 && k > 150);
+        }
+    }
+    EXPECT_EQ(alone[3].counts().changes, 1);
+}
+TEST(Certificate, OfPacksEndsAndStartsInEachLaneAlone) {
+    check_lanes_apart<float>(0.96875, 200);
+    check_lanes_apart<float>(0.3125, 500);  // where m is kept over less than 2^-500, but in the lane that restarts
+    check_lanes_apart<double>(0.96875, 200);
+}
 
 }  // namespace
 }  // namespace rlslab

@@ -6,6 +6,7 @@
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/window.hpp>
+#include <rlslab/arithmetic/pair.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -70,6 +71,61 @@ TEST(GuardedDigits, OfACertificateThatHasEndedAreNotAskedFor) {
     EXPECT_EQ(f.counts().breakdowns, 0);
     EXPECT_THROW((Guarded<F>({.size = 5}, {.digits = -1})), std::invalid_argument);
     EXPECT_THROW((Guarded<F>({.size = 5}, {.digits = {4, 0}})), std::invalid_argument);
+}
+/// Numbers that overflow are a breakdown, but of a certificate that has ended.
+TEST(GuardedDigits, TellAnOverflowFromAnEnd) {
+    Problem<double> const p{.size = 3};
+    auto const breakdowns = []<class F>(Guarded<F, rebuilding> f) {
+        Seed seed{7};
+        double psi[3];
+        for (int k = 1; k <= 20; ++k) {
+            double const y = draw(seed, psi);
+            f.update(psi, y);
+            for (int i = 0; i < 3 && k == 10; ++i) f.form().D[i] = 1e170;  // |r_i|^2 overflows after a row and a cap
+        }
+        return f.counts().breakdowns;
+    };
+    using F = Certified<Ud<double>>;
+    GuardOptions<double, true> const options{.innovation = 0, .digits = {4, 1}};
+    EXPECT_EQ(breakdowns(Guarded<F, rebuilding>(p, options)), 1);
+    EXPECT_EQ(breakdowns(Guarded<Forgetting<F, Kulhavy<double>>, rebuilding>(p, options)), 0);
+}
+/// A check that would fall on a row that is refused or skipped is made at the next row taken.
+TEST(GuardedDigits, OfARowThatIsNotTakenAreLookedAtWithTheNext) {
+    for (float const bad : {1e30F, 1e6F}) {  // beyond (1), and an outlier
+        Guarded<Certified<Ud<float>>, rebuilding> f({.size = 5}, {.digits = {4, 50}});
+        Seed seed{7};
+        float psi[5];
+        for (int k = 1; k <= 201; ++k) {
+            float const y = draw(seed, psi);
+            if (k == 200) f.form().D[2] *= 1.5F;
+            f.update(psi, k == 200 ? bad : y);
+            ASSERT_EQ(f.counts().breakdowns, k > 200) << k << " " << bad;
+        }
+        EXPECT_EQ(f.counts().unusable + f.counts().outliers, 1) << bad;
+    }
+}
+/// The most that is asked is kept by a filter that does nothing; one more is refused, and said.
+template <class F>
+void at_most(Index d, int most) {
+    using T = typename F::scalar;
+    Problem<T> const p{.size = d};
+    Guarded<F> f(p, {.digits = {most, 1}});
+    Vector<T> const zeros = Vector<T>::Zero(d);
+    for (int k = 0; k < 5; ++k) f.update(zeros, T(0));
+    EXPECT_EQ(f.counts().breakdowns, 0);
+    try {
+        Guarded<F> const refused(p, {.digits = most + 1});
+        ADD_FAILURE() << most + 1 << " digits";
+    } catch (std::invalid_argument const& e) {
+        EXPECT_EQ(e.what(), "expected digits <= " + std::to_string(most) + ", all that a bound in these words shows");
+    }
+}
+TEST(GuardedDigits, BeyondTheWordsAreRefused) {
+    at_most<Certified<Ud<float>>>(5, 6);
+    at_most<Certified<Ud<double>>>(3, 14);
+    at_most<Certified<Ud<double>>>(128, 13);
+    at_most<Certified<Ud<double>, 3, Pair>>(128, 14);
 }
 TEST(GuardedDigits, AreNotInTheState) {
     using F = Guarded<Certified<Ud<float>>, rebuilding>;

@@ -148,7 +148,7 @@ TEST(Filters, CertificatesAreThoseOfTheNativeLayer) {
     options.guard = "reset", options.window = 40;
     for (std::size_t const probes : {1, 3, 6}) {
         rlslab_filter* made = nullptr;
-        ASSERT_EQ(rlslab_new_certified("ud", "float", &options, probes, &made), RLSLAB_OK) << rlslab_message();
+        ASSERT_EQ(rlslab_new_certified("ud", "float", &options, probes, 0, &made), RLSLAB_OK) << rlslab_message();
         FilterHandle const filter(made), plain = filter_of("ud", "float", options);
         auto const expected = native::make(
             "ud", "float",
@@ -172,9 +172,30 @@ TEST(Filters, CertificatesAreThoseOfTheNativeLayer) {
         EXPECT_THAT(of_state, ElementsAre(out[0], out[1], out[2]));
     }
     rlslab_filter* none = nullptr;
-    ASSERT_EQ(rlslab_new_certified("ud", "double", &options, 0, &none), RLSLAB_OK);
+    ASSERT_EQ(rlslab_new_certified("ud", "double", &options, 0, 0, &none), RLSLAB_OK);
     FilterHandle const without(none);
     EXPECT_EQ(state_of(none), state_of(filter_of("ud", "double", options).get()));
+}
+TEST(Filters, DigitsAreAskedForByTheGuard) {
+    auto const psi = numbers(rows * d, 11), y = numbers(rows, 12);
+    rlslab_options options = options_of(d, 0.9);
+    options.guard = "rebuild";
+    std::vector<std::int64_t> breakdowns;
+    for (std::size_t const digits : {0, 5}) {  // float has six, and at this lambda the textbook form not even these
+        rlslab_filter* made = nullptr;
+        ASSERT_EQ(rlslab_new_certified("conventional", "float", &options, 3, digits, &made), RLSLAB_OK);
+        FilterHandle const filter(made);
+        for (int i = 0; i < 10; ++i) rlslab_update_many(made, psi.data(), rows, d, y.data(), nullptr);
+        rlslab_counts counts;
+        ASSERT_EQ(rlslab_count(made, &counts, sizeof counts), RLSLAB_OK);
+        breakdowns.push_back(counts.breakdowns);
+    }
+    EXPECT_GT(breakdowns[1], breakdowns[0]);
+    rlslab_filter* none = nullptr;
+    EXPECT_EQ(rlslab_new_certified("ud", "float", &options, 3, 7, &none), RLSLAB_INVALID);
+    EXPECT_THAT(rlslab_message(), testing::HasSubstr("digits <= 6"));
+    EXPECT_EQ(rlslab_new_certified("ud", "float", &options, 0, 4, &none), RLSLAB_INVALID);
+    EXPECT_THAT(rlslab_message(), testing::HasSubstr("probes and a guard beside digits"));
 }
 
 TEST(Filters, AMissingSampleInflatesP) {

@@ -68,8 +68,8 @@ TEST(Refused, NullPointers) {
                                        rlslab_covariance(f, nullptr),
                                        rlslab_information(nullptr, numbers),
                                        rlslab_information(f, nullptr),
-                                       rlslab_new_certified("ud", "double", nullptr, 3, &out),
-                                       rlslab_new_certified("ud", "double", &options, 3, nullptr),
+                                       rlslab_new_certified("ud", "double", nullptr, 3, 0, &out),
+                                       rlslab_new_certified("ud", "double", &options, 3, 0, nullptr),
                                        rlslab_certificate(nullptr, numbers),
                                        rlslab_certificate(f, nullptr),
                                        rlslab_count(nullptr, &counts, sizeof counts),
@@ -287,14 +287,14 @@ TEST(Refused, ProbesThatNoFilterHas) {
     EXPECT_EQ(numbers[0], 1);
     for (std::size_t const probes : {std::size_t(7), most / 2, most}) {
         rlslab_filter* none = nullptr;
-        EXPECT_EQ(rlslab_new_certified("ud", "double", &options, probes, &none), RLSLAB_INVALID);
+        EXPECT_EQ(rlslab_new_certified("ud", "double", &options, probes, 0, &none), RLSLAB_INVALID);
         expect_message("probes");
         EXPECT_EQ(none, nullptr);
     }
     std::size_t refused = 0;
     for (std::string const& variant : names(RLSLAB_VARIANTS)) {
         rlslab_filter* made = nullptr;
-        if (rlslab_new_certified(variant.c_str(), "float", &options, 3, &made) == RLSLAB_INVALID) {
+        if (rlslab_new_certified(variant.c_str(), "float", &options, 3, 0, &made) == RLSLAB_INVALID) {
             expect_message(variant + " cannot be composed so");
             ++refused;
         }

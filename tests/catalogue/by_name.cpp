@@ -129,7 +129,8 @@ Index rows_alike_in_the_lab(Typed const& start, native::Options const& options) 
                                   .parameters = {options.control_numbers.begin(), options.control_numbers.end()},
                                   .window = options.window,
                                   .guard = std::string(options.guard),
-                                  .certify = options.certify};
+                                  .certify = options.certify,
+                                  .digits = options.digits};
     auto const typed = start.clone();
     auto const made = composed(composition, start.variant, start.arithmetic, problem_of(options));
     for (Index k = 0; k < records_with_nan().rows(); ++k) {

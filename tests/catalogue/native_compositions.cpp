@@ -117,6 +117,8 @@ TYPED_TEST(NativeCompositions, Probes) {
     using C = Certified<Ud<T>, 2>;
     expect_alike(Guarded<Windowed<C>, rebuilding>(Windowed<C>(p, {.rows = 20}), p),
                  {.forgetting = 0.98, .window = 20, .guard = "rebuild", .certify = 2});
+    expect_alike(Guarded<C, rebuilding>(p, {.digits = 6}),
+                 {.forgetting = 0.98, .guard = "rebuild", .certify = 2, .digits = 6});
     static double const fortescue[] = {0.02, 50, 0.25};
     expect_alike(
         Forgetting<C, Fortescue<T>>(problem<T>(1), {.noise_variance = T(0.02), .memory = T(50), .least = T(0.25)}),
@@ -143,6 +145,11 @@ TEST(NativeCompositions, ProbesGoAroundEveryFormOrSayWhyNot) {
     EXPECT_EQ(certified, 15);
     EXPECT_THROW(made<double>("ud", {.certify = 7}), std::invalid_argument);
     EXPECT_THROW(made<double>("ud", {.certify = -1}), std::invalid_argument);
+    for (Index const digits : {-1, 4, 15, 1000000})  // 4: without a guard
+        EXPECT_THROW(made<double>("ud", {.guard = digits == 4 ? "" : "reset", .certify = 3, .digits = digits}),
+                     std::invalid_argument);
+    EXPECT_THROW(made<double>("ud", {.guard = "reset", .digits = 4}), std::invalid_argument);
+    EXPECT_THROW(made<double>("ud", {.digits = 4}), std::invalid_argument);
     EXPECT_THROW(made<double>("ud", {})->certificate(), std::invalid_argument);
     EXPECT_EQ(made<double>("ud", {.guard = "reset"})->probes(), 0);
     auto const probed = made<double>("ud", {.certify = 2}), more = made<double>("ud", {.certify = 3});

@@ -2,6 +2,7 @@
 // whose Step and state are read, and the filter's bytes. Nothing<float, 5> is the loop around them. With -DCOUNTED, on
 // the host, a tick is an operation. tests/embedded/cost.sh makes docs/embedded.md's table of it.
 #include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/certified.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/variants/variants.hpp>
 

@@ -82,6 +82,23 @@ def test_forms_without_one_say_so(variant):
         rlslab.filter(variant, 3, certify=3)
 
 
+def test_a_guard_asks_for_digits():
+    Psi, y = rows(2000, 5)
+    made = dict(forgetting=0.95, dtype="float32", certify=3, guard="rebuild")
+    f, g = (rlslab.Conventional(5, digits=n, **made) for n in (0, 3))
+    for filter in (f, g):
+        filter.update_many(Psi, y)
+    assert g.counts.breakdowns > f.counts.breakdowns
+    assert pickle.loads(pickle.dumps(g)).options["digits"] == 3
+    assert eval(repr(g), vars(rlslab)).options == g.options
+    with pytest.raises(ValueError, match="digits <= 6"):
+        rlslab.Ud(3, digits=7, **made)
+    with pytest.raises(ValueError, match="probes and a guard beside digits"):
+        rlslab.Ud(3, digits=4)
+    with pytest.raises(TypeError):
+        rlslab.Ud(3, digits=4.0, **made)
+
+
 def test_what_is_refused():
     with pytest.raises(ValueError, match="without probes"):
         rlslab.Ud(3).certificate()

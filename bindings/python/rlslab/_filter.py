@@ -83,6 +83,9 @@ class Filter(_core.Filter):
     certify : int
         Random probes, 1 to 6, that follow every row in float64; 3 where in doubt, 0: none. `certificate` then shows how
         many digits of P and theta are left. The filter's bits stay. Not of `kalman`, `extended_qr` and `qr_block`.
+    digits : int
+        Of P, that the guard asks of the probes: a bound above 10^-digits at every 100th row is a breakdown, about which
+        `guard` does what it does, "rebuild" from the last rows. 0: none. Not in `state`.
 
     Raises
     ------
@@ -123,12 +126,13 @@ class Filter(_core.Filter):
         guard_options: Mapping[str, float] | None = None,
         control: _options.Control = None,
         certify: int = 0,
+        digits: int = 0,
     ) -> Self:
         if not cls._variant:
             raise TypeError("Filter is of no variant: rlslab.Ud(4), or rlslab.filter('ud', 4)")
         arguments = _options.arguments(
             cls._variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, window, guard,
-            guard_options, control, certify,
+            guard_options, control, certify, digits,
         )  # fmt: skip
         self = super().__new__(cls, *arguments)
         made = {
@@ -143,6 +147,7 @@ class Filter(_core.Filter):
             "guard_options": dict(guard_options) if guard_options else None,
             "control": control if control is None or isinstance(control, str) else tuple(control),
             "certify": arguments[14],
+            "digits": arguments[15],
         }
         defaults = Filter.__new__.__kwdefaults__ or {}
         self._made = {

@@ -142,6 +142,7 @@ def arguments(
     guard_options: Mapping[str, float] | None = None,
     control: Control = None,
     certify: int = 0,
+    digits: int = 0,
     filters: int = 1,
 ) -> tuple[Any, ...]:
     """What `_core.Filter` and `_core.Fleet` are made with."""
@@ -171,5 +172,6 @@ def arguments(
         memory,
         rebuild,
         whole(certify, "certify"),
+        whole(digits, "digits"),
         M,
     )

@@ -99,7 +99,8 @@ AnyAdaptive<T> with_guard(Composition const& c, GuardOptions<double> const& give
                                         .least_noise = T(given.least_noise),
                                         .noise_memory = given.noise_memory,
                                         .asymmetry = T(given.asymmetry),
-                                        .rebuild_rows = given.rebuild_rows};
+                                        .rebuild_rows = given.rebuild_rows,
+                                        .digits = int(c.digits)};
     AnyAdaptive<T> out = filter;
     [&]<size_t... I>(std::index_sequence<I...>) {
         ((guard_policies[I].name == c.guard

@@ -60,6 +60,8 @@ GuardPolicy Composition::policy() const {
 
 std::string contradiction(Composition const& c) {
     expects(0 <= c.certify && c.certify <= most_probes, "0 (none) to 6 probes");
+    expects(c.digits == 0 || (c.certify > 0 && !c.guard.empty()), "probes and a guard beside digits");
+    expects(0 <= c.digits && c.digits < 1000, "digits >= 0 that a bound can show");
     static_cast<void>(c.policy());  // throws where no policy has the guard's name
     if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
     return "";

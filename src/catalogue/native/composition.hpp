@@ -43,8 +43,9 @@ struct Composition {
     Index window = 0;                     ///< rows
     std::string guard = "";
     Index certify = 0;  ///< probes (Certified), at most most_probes
+    Index digits = 0;   ///< of P that the guard asks of the probes (GuardedDigits); 0: none
 
-    bool empty() const { return control.empty() && window == 0 && guard.empty() && certify == 0; }
+    bool empty() const { return control.empty() && window == 0 && guard.empty() && certify == 0 && digits == 0; }
     /// Whether theta and P minimise the J of some rows with constant lambda: no rule changes the forgetting.
     bool keeps_the_problem() const;
     /// What the guard does; that it reports where there is none. Throws std::invalid_argument for a name that is no

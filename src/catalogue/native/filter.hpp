@@ -47,6 +47,8 @@ struct Options {
     Index noise_memory = 0, rebuild_rows = 0;
 
     Index certify = 0;  ///< probes of a certificate (rlslab::Certified), up to 6; 0: none. 3 where in doubt
+    Index digits = 0;   ///< of P that the guard asks of the probes: their bound above 10^-digits at a 100th row is a
+                        ///< breakdown; 0: none. Not in a state
 };
 
 /// What the probes of a filter show, rlslab::Certificate: `bound` is above the error ||Phat P^-1 - I||_F of P but with

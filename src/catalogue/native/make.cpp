@@ -65,8 +65,11 @@ std::vector<double> numbers_of(Control const& control, Options const& o, Problem
 }
 Composition composition_of(Options const& o, Problem<double> const& problem) {
     expects(o.window >= 0, "a window of rows >= 0 (0: none)");
-    Composition out{
-        .control = std::string(o.control), .window = o.window, .guard = std::string(o.guard), .certify = o.certify};
+    Composition out{.control = std::string(o.control),
+                    .window = o.window,
+                    .guard = std::string(o.guard),
+                    .certify = o.certify,
+                    .digits = o.digits};
     if (!o.guard.empty()) expect_one_of(guards(), o.guard, "guard");
     else
         expects(std::isnan(o.largest_variance) && std::isnan(o.innovation) && std::isnan(o.least_noise) &&

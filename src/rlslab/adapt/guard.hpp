@@ -46,7 +46,7 @@ concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && Keep
 ///       breakdown F is as newly made, and after a change P^-1 is that of the rows sqrt(w_j) e_j alone, of output
 ///       sqrt(w_j) theta_j, w_j = 2^(-3p/4) max(psi_j^2, 2^(-p/4) / P_jj)
 ///
-///   (8) around probes (Certified), at each `digits.every`-th row, if taken: breakdown where bound > 10^-digits.
+///   (8) around probes (Certified), at each `digits.every`-th row that F takes: breakdown where bound > 10^-digits.
 ///       Then P is (6)'s and the kept rows', and the next bound is of these. What older rows told is forgotten
 ///
 /// (6): the P that broke the filter would break it again. A form that stores P or P^-1 makes an error of u v |psi|^2 in
@@ -108,8 +108,7 @@ public:
                 "options >= 0");
         expects(all(T(0) < options.asymmetry) && options.noise_memory >= 1 && options.rebuild_rows >= 0,
                 "options that make sense");
-        if constexpr (certified)
-            expects(options.digits.wanted >= 0 && options.digits.every >= 1, "digits >= 0, of every row or more");
+        if constexpr (certified) options.digits.template check<T, decltype(filter_.certificate().bound)>(psi_.size());
         if constexpr (in_packs)
             for (T const& x : {options.innovation, options.least_noise, options.asymmetry})
                 expects(all(x == T(x[0])), "innovation, least_noise and asymmetry that are alike in all lanes");
@@ -399,13 +398,12 @@ private:
         }
         return lanes && !good;
     }
-    /// (8). Of a certificate that has ended nothing is known.
+    /// (8). Of a certificate that has ended nothing is known; an infinite bound of another is none.
     bool lacks_digits() {
-        if (!(options_.digits.wanted > 0) || counts_.rows % options_.digits.every != 0) return false;
+        if (!(options_.digits.wanted > 0) || policy.taken(counts_) % options_.digits.every != 0) return false;
         auto found = filter_.certificate();
-        bool const ended = is_finite(found.estimate) && !is_finite(found.bound);
         for (int i = 0; i < options_.digits.wanted; ++i) found.bound *= 10;
-        return !ended && !(found.bound <= 1);
+        return !found.ended && !(found.bound <= 1);
     }
     /// The row root e_j, of output root theta_j.
     void hold(T* row, Index j, T const& root, T const& theta, Mask const& lanes) {

@@ -1,9 +1,13 @@
 // What a guard does about what it sees: actions, policies, and THE list of policies.
 #pragma once
 
+#include <rlslab/adapt/guard_signal.hpp>
 #include <rlslab/core/matrices.hpp>
 #include <rlslab/core/scalar.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <string_view>
 
 namespace rlslab {
@@ -30,6 +34,11 @@ struct GuardPolicy {
     constexpr bool intervenes() const { return outlier != Action::report || windup != Action::report || resets(); }
     constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
     constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
+    /// Rows that reached the filter.
+    constexpr Index taken(GuardCounts const& n) const {
+        Index const unseen = outlier != Action::skip ? 0 : n.outliers - (change == Action::reset ? n.changes : 0);
+        return n.rows - n.unusable - unseen;
+    }
     constexpr bool valid() const {
         return (outlier == Action::report || outlier == Action::skip) &&
                (change == Action::report || change == Action::reset) &&
@@ -41,11 +50,25 @@ inline constexpr GuardPolicy reporting{};
 inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
 
-/// Digits that P is asked to keep, and after how many rows the probes are looked at again. 0 digits: never.
+/// Digits that P is asked to keep, and after how many rows that the filter took the probes are looked at again. 0
+/// digits: never.
 struct GuardedDigits {
     int wanted;
     Index every;
     constexpr GuardedDigits(int digits = 0, Index rows = 100) : wanted(digits), every(rows) {}
+    /// Of d parameters in T with probes in L: refuses more than a bound can show, which is at least 10 sqrt(d) u of L,
+    /// and hardly below 10 u of T.
+    template <class T, class L>
+    void check(Index d) const {
+        expects(wanted >= 0 && every >= 1, "digits >= 0, of every row or more");
+        double const of_T = std::ldexp(1.0, -significand_bits<T>()), of_L = std::ldexp(1.0, -significand_bits<L>());
+        double bound = 10 * std::max(of_T, std::sqrt(double(d)) * of_L);
+        int most = -1;
+        for (; bound <= 1; bound *= 10) ++most;
+        char what[64];
+        std::snprintf(what, sizeof what, "digits <= %d, all that a bound in these words shows", most);
+        expects(wanted <= most, what);
+    }
 };
 /// In its place around a filter without probes: no number goes in.
 struct NoProbes {};

@@ -10,34 +10,55 @@
 namespace rlslab {
 
 namespace detail {
-/// What a filter over packs holds for each lane, in the order of its state.
+/// What a filter over packs holds for each lane, in the order of its state: also the doubles of one in float (probes).
 template <class P>
 struct NumbersOfLanes : BareCounts {
     using Count = Lanes<Index, P::lanes>;
+    using Wide = Pack<double, P::lanes>;
+    static constexpr bool in_float = !std::same_as<Wide, P>;
     std::vector<P> numbers = {};
     std::vector<typename P::Mask> truths = {};
     std::vector<Count> counts = {};
+    std::vector<Wide> wide = {};
+    std::vector<typename Wide::Mask> wide_truths = {};
     void number(P const& x) { numbers.push_back(x); }
     void number(typename P::Mask const& x) { truths.push_back(x); }
     void number(Count const& x) { counts.push_back(x); }
     template <class X>
-    void number(X const&) {}
-    void clear() { numbers.clear(), truths.clear(), counts.clear(); }
+    void number(X const& x) {
+        if constexpr (in_float && std::same_as<X, Wide>) wide.push_back(x);
+        if constexpr (in_float && std::same_as<X, typename Wide::Mask>) wide_truths.push_back(x);
+    }
+    void clear() { numbers.clear(), truths.clear(), counts.clear(), wide.clear(), wide_truths.clear(); }
 };
 /// Puts it back in the lanes of the mask.
 template <class P>
 struct LanesPutBack : BareCounts {
+    using Kept = NumbersOfLanes<P>;
+    using WideMask = typename Kept::Wide::Mask;
     typename P::Mask mask;
+    WideMask wide_mask = false;
     P const* number_at;
     typename P::Mask const* truth_at;
     Lanes<Index, P::lanes> const* count_at;
-    LanesPutBack(NumbersOfLanes<P> const& from, typename P::Mask const& lanes)
-        : mask(lanes), number_at(from.numbers.data()), truth_at(from.truths.data()), count_at(from.counts.data()) {}
+    typename Kept::Wide const* wide_at;
+    WideMask const* wide_truth_at;
+    LanesPutBack(Kept const& from, typename P::Mask const& lanes)
+        : mask(lanes), number_at(from.numbers.data()), truth_at(from.truths.data()), count_at(from.counts.data()),
+          wide_at(from.wide.data()), wide_truth_at(from.wide_truths.data()) {
+        Lanes<bool, P::lanes> each;
+        for (int i = 0; !from.wide.empty() && i < P::lanes; ++i) each.value[size_t(i)] = lanes[i];
+        wide_mask = WideMask(each);
+    }
     void number(P& x) { x = select(mask, *number_at++, x); }
     void number(typename P::Mask& x) { x = (mask && *truth_at++) || (!mask && x); }
     void number(Lanes<Index, P::lanes>& x) { x = select(mask, *count_at++, x); }
     template <class X>
-    void number(X const&) {}
+    void number(X& x) {
+        if constexpr (Kept::in_float && std::same_as<X, typename Kept::Wide>) x = select(wide_mask, *wide_at++, x);
+        if constexpr (Kept::in_float && std::same_as<X, WideMask>)
+            x = (wide_mask && *wide_truth_at++) || (!wide_mask && x);
+    }
 };
 /// Keeps f, and puts it back in the lanes of the mask when it ends. Its memory is the thread's own, and taken again.
 template <class P, class F>

@@ -1,5 +1,5 @@
 // Products of a matrix and four vectors side by side: number j of vector i is v[4 j + i]. Included by
-// adapt/certified.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+// adapt/probes.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 //
 // A matrix is what has a(i, j); `widened` turns its numbers into L. A dot product has four running sums, of j = 0, 1,
 // 2, 3 mod 4 from its first number on, then (0 + 2) + (1 + 3); all else is a sum of columns, the first column first.
@@ -19,6 +19,9 @@ struct Four {
     [[gnu::always_inline]] void add_product(L const& a, Four const& x) {
         for (int i = 0; i < 4; ++i) of[i] += a * x.of[i];
     }
+    [[gnu::always_inline]] void add_square(L const& a, Four const& x) {
+        for (int i = 0; i < 4; ++i) of[i] += a * x.of[i] * x.of[i];
+    }
 };
 template <>
 struct Four<double> {
@@ -29,6 +32,7 @@ struct Four<double> {
     [[gnu::always_inline]] void store(double* v) const { *reinterpret_cast<Anywhere*>(v) = of; }
     [[gnu::always_inline]] void add(Four const& x) { of += x.of; }
     [[gnu::always_inline]] void add_product(double a, Four const& x) { of += a * x.of; }
+    [[gnu::always_inline]] void add_square(double a, Four const& x) { of += a * x.of * x.of; }
 };
 
 template <class L>
@@ -81,6 +85,17 @@ struct ByFour {
 #pragma GCC unroll 4
         for (int i = 0; i < 4; ++i) by[0].of[i] = i == of_y ? wy : L(by[0].of[i] * w);
         add([psi](Index i, int) { return psi[i]; }, by, m, 0, d);
+    }
+    /// x_i += w psi_i^2: numbers one by one, not vectors.
+    static void squares(L const* psi, Index d, L const& w, L* x) {
+        Index j = 0;
+        for (; j + 4 <= d; j += 4) {
+            Four<L> sum, row;
+            sum.load(x + j), row.load(psi + j);
+            sum.add_square(w, row);
+            sum.store(x + j);
+        }
+        for (; j < d; ++j) x[j] += w * psi[j] * psi[j];
     }
     /// v = A v; `copy` is workspace.
     template <class A>

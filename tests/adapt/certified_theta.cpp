@@ -1,0 +1,104 @@
+// The bound of theta is above its error where probes are in F's own word, too: the rounding of z is in it.
+#include <rlslab/adapt/certified.hpp>
+
+#include "tests/adapt/adapt.hpp"
+#include "tests/common/same.hpp"
+
+#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/state/state.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <gtest/gtest.h>
+
+namespace rlslab {
+namespace {
+
+using R = Reference;
+
+/// Rows whose outputs are residuals of this size, beside a theta of +-1. In pairs: the second has the same regressor
+/// and the other sign, so that theta stays small where lambda = 1. steady: a constant column and a constant residual.
+struct Rows {
+    Seed seed;
+    Index d;
+    double residual, spread;
+    bool pairs, steady;
+    Vector<double> psi = Vector<double>::Zero(d);
+    double apart = 0, y = 0;
+    int k = 0;
+    void next() {
+        bool const again = pairs && k++ % 2 == 1;
+        if (!again) {
+            double const common = seed.bell();
+            for (Index j = 0; j < d; ++j) psi[j] = (1 - spread) * common + spread * seed.bell();
+            if (steady) psi[0] = 1;
+        }
+        apart = again ? -apart : residual * (steady ? 0.1 : seed.bell());
+        y = apart;
+        for (Index j = 0; j < d; ++j) y += j % 2 ? -psi[j] : psi[j];
+    }
+};
+
+/// The error of theta over its bound, the largest of all forms; both after 20, 100 and 400 rows.
+double largest_share(Rows rows, double lambda, double theta0) {
+    Index const d = rows.d;
+    Problem<double> p{.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 0x1p14}};
+    p.prior->theta = Vector<double>::Constant(d, theta0);
+    std::tuple all{Certified<Ud<double>>(p),          Certified<UdDelta<double>>(p), Certified<Carlson<double>>(p),
+                   Certified<InverseQr<double>>(p),   Certified<Potter<double>>(p),  Certified<Joseph<double>>(p),
+                   Certified<Information<double>>(p), Certified<Qr<double>>(p),      Certified<Gentleman<double>>(p),
+                   Certified<Conventional<double>>(p)};
+    Matrix<R> X = Matrix<R>::Identity(d, d) / R(0x1p14);
+    Vector<R> z = Vector<R>::Constant(d, R(theta0) / R(0x1p14));
+    double most = 0;
+    for (int k = 1; k <= 400; ++k) {
+        rows.next();
+        for (Index j = 0; j < d; ++j) {
+            for (Index i = 0; i < d; ++i) X(i, j) = R(lambda) * X(i, j) + R(rows.psi[i]) * R(rows.psi[j]);
+            z[j] = R(lambda) * z[j] + R(rows.psi[j]) * R(rows.y);
+        }
+        std::apply([&](auto&... f) { (f.update(rows.psi, rows.y), ...); }, all);
+        if (k != 20 && k != 100 && k != 400) continue;
+        Vector<R> const theta = X.lu().solve(z);
+        auto const look = [&](auto& f) {
+            Vector<R> const found = f.theta().template cast<R>();
+            R const error = R(sqrt(R((found - theta).squaredNorm()))), length = R(sqrt(R(found.squaredNorm())));
+            double const bound = f.certificate().theta;
+            if (std::isfinite(bound)) most = std::max(most, static_cast<double>(R(error / (length * R(bound)))));
+        };
+        std::apply([&](auto&... f) { (look(f), ...); }, all);
+    }
+    return most;
+}
+
+/// A search that tried to refute it: without the rounding of z the error is up to 10^6 bounds.
+TEST(CertifiedTheta, IsAboveItsErrorInTheFiltersOwnWord) {
+    std::uint64_t seed = 1;
+    for (double const lambda : {1.0, 0.998046875, 0.9})
+        for (double const residual : {0.1, 1e3, 1e6, 1e9})
+            for (Index const d : {2, 5})
+                for (double const spread : {1.0, 1e-3})
+                    for (int const kind : {0, 1, 2, 3})
+                        EXPECT_LE(largest_share({Seed{++seed}, d, residual, spread, kind >= 2, kind % 2 == 1}, lambda,
+                                                kind == 2 ? 1e6 : 0),
+                                  1)
+                            << lambda << " " << residual << " " << d << " " << spread << " " << kind;
+}
+/// It does not grow with the rows where lambda = 1: sums of 32 rows are added without an error.
+TEST(CertifiedTheta, StaysTightOverManyRows) {
+    Certified<Ud<double, 3>> f({.size = 3});
+    adapt_laws::run_rows(f, 100000, Seed{5});
+    EXPECT_LT(f.certificate().theta, 1e-11);
+}
+TEST(CertifiedTheta, IsInTheState) {
+    using F = Certified<Ud<double, 4>>;
+    Problem<double> const p{.size = 4, .forgetting = 0.96875};
+    F f(p, Seed{3}), g(p, Seed{4});
+    adapt_laws::run_rows(f, 50, Seed{10});
+    ASSERT_EQ(load(g, state_of(f)), StateFault::none);
+    adapt_laws::run_rows(f, 50, Seed{12}), adapt_laws::run_rows(g, 50, Seed{12});
+    EXPECT_TRUE(same(f.certificate().theta, g.certificate().theta));
+    EXPECT_EQ(state_of(f), state_of(g));
+}
+
+}  // namespace
+}  // namespace rlslab
