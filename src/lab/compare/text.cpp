@@ -151,6 +151,28 @@ std::string table_text(Comparison const& c, Paint const& paint, size_t width) {
     return out;
 }
 
+/// "ud 6.4 float, 15.2 double; symmetric at least 3.6, 12.4": the recommended form or the first shown, and the
+/// first of those that have a bound; "".
+std::string predicted_text(Comparison const& c) {
+    std::string out;
+    for (bool const at_least : {false, true}) {
+        auto const is_of = [&](Result const& r) {
+            return r.predicted && r.predicted->at_least == at_least && is_shown(c, r.entry->variant);
+        };
+        auto named = std::ranges::find_if(c.results, [&](Result const& r) { return is_of(r) && is_recommended(c, r); });
+        if (named == c.results.end()) named = std::ranges::find_if(c.results, is_of);
+        if (named == c.results.end()) continue;
+        std::vector<std::string> digits;
+        for (Result const& r : c.results)
+            if (r.entry->variant == named->entry->variant)
+                digits.push_back((r.predicted ? tenths(r.predicted->digits) : "-") +
+                                 (out.empty() ? fmt::format(" {}", r.entry->arithmetic->name) : ""));
+        out += fmt::format("{}{}{} {}", out.empty() ? "" : "; ", named->entry->variant, at_least ? " at least" : "",
+                           fmt::join(digits, ", "));
+    }
+    return out;
+}
+
 /// What the probes show, of the forms in the table.
 std::string probes_text(Comparison const& c, Paint const& paint, size_t width) {
     std::string titles, columns, lines;
@@ -223,6 +245,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     out += head("prior", prior_text(c));
     bool const plain = c.options.composition.empty();
     if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
+    if (std::string const predicted = predicted_text(c); !predicted.empty()) out += head("predicted P", predicted);
     out += '\n' + theta_text(c) + table_text(c, paint, width);
 
     std::vector<std::string> notes;
