@@ -3,7 +3,6 @@
 #include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/probed.hpp"
 
 #include <rlslab/input/text.hpp>
 
@@ -177,9 +176,7 @@ std::string predicted_text(Comparison const& c) {
 std::string probes_text(Comparison const& c, Paint const& paint, size_t width) {
     std::string titles, columns, lines;
     std::vector<Arithmetic const*> arithmetics;
-    Index seen = 0, above = 0;
     for (Result const& r : c.results) {
-        if (r.probed && r.probed->truth) ++seen, above += *r.probed->truth > r.probed->bound;
         if (r.probed && std::ranges::find(arithmetics, r.entry->arithmetic) == arithmetics.end()) {
             arithmetics.push_back(r.entry->arithmetic);
             titles += fmt::format("{:>30}", r.entry->arithmetic->name);
@@ -196,12 +193,9 @@ std::string probes_text(Comparison const& c, Paint const& paint, size_t width) {
                                          r->probed->truth ? fmt::format("{:.1e}", *r->probed->truth) : "-");
         if (!cells.empty()) lines += fmt::format("  {:<16}{}\n", row.variant, cells);
     }
-    std::string const says = fmt::format(
-        "Probes: {} in a filter estimate ||Phat P^-1 - I||_F at the last row while it runs, in the prior's units; the "
-        "bound fails with probability 5e-4. Truth, in 257 bits, is above it in {} of {} forms.",
-        probes_of_compare, above, seen);
     return '\n' + paint("1", fmt::format("  {:<16}{}", "probes", titles)) + '\n' +
-           paint("2", fmt::format("  {:<16}{}", "", columns)) + '\n' + lines + wrapped(says, 0, 4, width) + '\n';
+           paint("2", fmt::format("  {:<16}{}", "", columns)) + '\n' + lines +
+           wrapped(probes_sentence(c), 0, 4, width) + '\n';
 }
 
 /// Whether what storing the data does is worth a line: it costs a digit, or more than digits.
