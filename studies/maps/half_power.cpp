@@ -1,109 +1,42 @@
 // The half-power law over records: what a factor and a stored P lose of P in its own metric, foretold from the rows and
-// one constant. Longer than 150 lines: the law with its bounds, and twelve predictions.
+// one constant. Longer than 150 lines: twelve predictions.
+#include <rlslab/studies/half_power.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 
 namespace rlslab::studies {
 namespace {
 
-using Doubles = Eigen::MatrixXd;
 constexpr double u = 0x1p-24;
 /// The one constant, from `HalfPower.OfNRowsIsNotExceededInFloat`: ud_delta, d = 2 and 5, 60 rows, other seeds.
 constexpr double constant = 0.042, half_a_digit = 3.1623;
 constexpr Index samples = 120;
-
-Eigen::VectorXd spectrum_of(Doubles const& A) { return Eigen::SelfAdjointEigenSolver<Doubles>(A).eigenvalues(); }
-
-Records drawn(Trial const& trial, Index d) {
-    double const kappa = trial.number("kappa");
-    std::string const basis = trial.text("basis");
-    Seed seed = trial.seed({"basis", "d", "replicate"});
-    Doubles turn(d, d);
-    for (double& x : turn.reshaped()) x = seed.bell();
-    Eigen::HouseholderQR<Doubles> const qr(turn);
-    turn = qr.householderQ();
-    Records out{.psi = Matrix<double>(d, samples), .y = Vector<double>::Zero(samples), .names = {}};
-    Eigen::VectorXd line = Eigen::VectorXd::Zero(d), row(d);
-    for (Index k = 0; k < samples; ++k) {
-        for (Index i = 0; i < d; ++i) row[i] = seed.bell() * correctly::pow(kappa, -double(i) / double(d - 1));
-        if (basis == "rotated") row = (turn * row).eval();
-        if (basis == "start")  // columns that stand near 1 for half of the rows
-            for (double& x : row) x = 1 + seed.bell() / (2 * k < samples ? kappa : 1);
-        if (basis == "line") {
-            for (Index i = d - 1; i > 0; --i) line[i] = line[i - 1];
-            line[0] = (1 - 2 / kappa) * line[1] + seed.bell() / std::sqrt(kappa);
-            row = line;
-        }
-        for (Index i = 0; i < d; ++i) out.psi(i, k) = float(row[i]);
-    }
-    return out;
-}
-
-/// docs/theory.md 129, over u: sum tau mu^-1/2, sum tau / (mu gamma), and the bounds of three forms.
-struct Law {
-    double half = 0, whole = 0, factor = 0, symmetric = 0, joseph = 0;
-    Doubles root;  // L of P_N^-1 = LL'
-    Law(Records const& records, double lambda, double c2) {
-        Index const d = records.psi.rows();
-        std::vector<Doubles> M{Doubles::Identity(d, d) / c2};
-        std::vector<double> mu{1}, gamma{1};
-        Doubles P = Doubles::Identity(d, d) * c2;
-        for (Index k = 0; k < records.rows(); ++k) {
-            Eigen::VectorXd const psi = records.psi.col(k);
-            gamma.push_back(lambda / (lambda + psi.dot(P * psi)));
-            M.push_back(lambda * M.back() + psi * psi.transpose());
-            P = M.back().llt().solve(Doubles::Identity(d, d));
-            P = (P + P.transpose()).eval() / 2;
-            Eigen::VectorXd const a = P.diagonal().cwiseSqrt().cwiseInverse();
-            mu.push_back(std::max(1e-15, spectrum_of(a.asDiagonal() * P * a.asDiagonal())[0]));
-        }
-        root = M.back().llt().matrixL();
-        Doubles const of_P = P.llt().matrixL();
-        double const D = double(d), r = lambda == 1 ? 0 : 2;
-        for (size_t k = 0; k < M.size(); ++k) {
-            double const tau = std::min(1.0, correctly::pow(lambda, double(M.size() - 1 - k)) *
-                                                 spectrum_of(of_P.transpose() * M[k] * of_P)[d - 1]);
-            half += tau / std::sqrt(mu[k]);
-            factor += (2 * std::sqrt(D) * (4 * D + 7) + 4 * D + 16) * tau / std::sqrt(mu[k] * gamma[k]);
-            if (k == 0) continue;
-            double const full = tau / (mu[k] * gamma[k]), gone = 1 - gamma[k],
-                         reach = 1 + gone * std::sqrt(D / mu[k - 1]);
-            whole += full;
-            symmetric += D * full * (4 + 2 * r + (4 * D + 1) * gone);
-            joseph += D * full * ((2 * D + 5 + r) * reach * reach + 2 * gamma[k] * gone);
-        }
-    }
-};
 
 std::vector<Cell> const deltas{"ud_delta", "carlson_delta", "inverse_qr_delta"};
 
 void measure(Trial const& trial, TrialOutput& out) {
     auto const d = Index(trial.number("d"));
     double const lambda = float(trial.number("lambda")), c2 = trial.number("c2");
-    Records const records = drawn(trial, d);
-    Law const law(records, lambda, c2);
+    Seed seed = trial.seed({"basis", "d", "replicate"});
+    Records const records{.psi = half_power_rows(trial.text("basis"), d, trial.number("kappa"), samples, seed),
+                          .y = Vector<double>::Zero(samples),
+                          .names = {}};
+    HalfPowerLaw const law(records.psi, lambda, c2);
     for (Cell const& variant : joined(deltas, {"ud", "symmetric", "joseph"})) {
         auto const name = std::get<std::string>(variant);
         auto const filter =
             trial.entry(name, "float")
                 .make({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = c2}}, Seed{1});
         process_rows(*filter, records, 0, records.rows());
-        Doubles P =
+        Eigen::MatrixXd const P =
             covariance_of(filter->stored()).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
-        P = (P + P.transpose()).eval() / 2;
-        bool const finite = P.allFinite();
-        double const eta =
-            finite ? spectrum_of(law.root.transpose() * P * law.root - Doubles::Identity(d, d)).cwiseAbs().maxCoeff()
-                   : INFINITY;
+        double const eta = P.allFinite() ? law.eta(P) : INFINITY;
         bool const stored = name == "symmetric" || name == "joseph";
-        double const bound = name == "symmetric" ? law.symmetric : name == "joseph" ? law.joseph : law.factor;
+        double const bound = name == "symmetric" ? law.symmetric : name == "joseph" ? law.joseph : law.ud_delta;
         out({variant, eta, eta / (u * (stored ? law.whole : law.half)), eta / (u * bound), u * bound});
     }
 }

@@ -365,7 +365,7 @@ TEST_F(CompareCommand, CertifySetsWhatProbesShowBesideTheTruth) {
     EXPECT_FALSE(compared(sales)["results"][0].contains("probes"));
     EXPECT_THAT(text(sales + " --certify"), HasSubstr("257 bits, is above it in 0 of 28 forms"));
     std::string const csv = shell("rlslab compare " + sales + " --certify --csv --no-timings").out;
-    EXPECT_THAT(csv, HasSubstr(",other_covariance_high,probes_estimate,probes_bound,probes_truth\n"));
+    EXPECT_THAT(csv, HasSubstr(",predicted_at_least,probes_estimate,probes_bound,probes_truth\n"));
     for (char const* other : {"--digits 3", "--window 40", "--guard reset"}) {
         Outcome const run = shell("rlslab compare " + sales + " --certify " + other);
         EXPECT_EQ(run.code, 2);

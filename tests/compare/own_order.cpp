@@ -100,7 +100,7 @@ TEST(OwnOrder, WhatTheStartCostsIsForetold) {
             EXPECT_EQ(cost.best_c2.has_value(), costs);
             if (!costs) continue;
             EXPECT_THAT(warnings(c), testing::Contains(start_cost_text(c)));
-            EXPECT_THAT(start_cost_text(c), Names("double digits theta qr gentleman"));
+            EXPECT_THAT(start_cost_text(c), Names("double digits theta qr gentleman deviations noise"));
         }
         EXPECT_NEAR(apart, 0, 0.5) << p0;
     }

@@ -1,5 +1,6 @@
 // What a prior costs: the law against certified minimisers and against filters, its units, the ends of its range, and
-// the sentence that compare makes of it.
+// the sentence that compare makes of it. What is predicted of P.
+#include "src/lab/compare/predicted.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/words.hpp"
 #include "tests/common/message.hpp"
@@ -219,6 +220,44 @@ TEST(PriorCosts, AreASentenceFromHalfADigitOn) {
     EXPECT_THAT(warnings(c), testing::Contains(prior_cost_text(c)));
     c.options.p0.reset();
     EXPECT_EQ(prior_cost_text(c), "") << "the prior scaled to the data is compare's own";
+}
+
+/// One parameter, rows of 1, four of them: P_k M_j = M_j / M_k, M_j = j lambda^... + lambda^j / c^2.
+TEST(PowerLaw, OfOneParameterIsASumByHand) {
+    for (double const lambda : {1.0, 0.75}) {
+        Records const rows{.psi = Matrix<double>::Ones(1, 4), .y = Vector<double>::Ones(4), .names = {}};
+        RoundedProblem const problem{
+            {.size = 1, .forgetting = lambda, .prior = Prior<double>{.variance = 4}}, rows, true, {{}}};
+        std::vector<double> M{0.25};
+        for (int k = 0; k < 4; ++k) M.push_back(lambda * M.back() + 1);
+        double factor = 0, stored = 0, bias = 0;
+        for (size_t j = 1; j <= 4; ++j) {
+            double const left = std::pow(lambda, double(4 - j)), carried = left * M[j] / M[4];
+            factor += carried * carried, bias += carried;
+            double const before = carried * M[j] / M[j - 1] / lambda;
+            stored += before * before;
+        }
+        PowerLaw::Sizes const at = power_law(problem).at.at(0);
+        EXPECT_NEAR(at.triangle, std::sqrt(factor), 1e-12);
+        EXPECT_NEAR(at.information, std::sqrt(factor), 1e-12);
+        EXPECT_NEAR(at.difference, std::sqrt(stored), 1e-12);
+        EXPECT_NEAR(at.bias, lambda < 1 ? bias : 0, 1e-12);
+    }
+}
+TEST(PowerLaw, IsForFormsAndWordsThatItIsTrueOf) {
+    Comparison const c = compared(rows_near_a_plane(6, Seed{5}), 1e3);
+    double last = 0;
+    for (Result const& r : c.results) {
+        std::string_view const form = r.entry->variant;
+        bool const none = form == "conventional" || form == "kalman" || form == "information";
+        if (none || r.entry->arithmetic->stochastic || r.entry->arithmetic->digits > 53) {
+            EXPECT_FALSE(r.predicted) << form;
+        }
+        if (form != "ud" || !r.predicted) continue;
+        EXPECT_GT(r.predicted->digits, last) << "a longer word has more";
+        last = r.predicted->digits;
+    }
+    EXPECT_GT(last, 10);
 }
 
 }  // namespace

@@ -76,8 +76,8 @@ TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     }
     ASSERT_EQ(out["results"].size(), rlslab::catalogue().size());
     for (json const& r : out["results"]) {
-        // the keys named below, variant, arithmetic, spread, path, runs, broken, other_orders, foretold
-        EXPECT_EQ(r.size(), 15u);
+        // the keys named below, variant, arithmetic, spread, path, runs, broken, other_orders, foretold, predicted
+        EXPECT_EQ(r.size(), 16u);
         EXPECT_EQ(r["other_orders"]["runs"], 3);
         for (auto const& [of, at_the_end] : {std::pair{"theta", "theta_digits"},
                                              {"worst", "theta_digits_worst"},
@@ -110,7 +110,8 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
               "worst_low,worst_median,worst_high,"
               "covariance_low,covariance_median,covariance_high,other_orders,other_broken,other_theta_low,"
               "other_theta_median,other_theta_high,other_worst_low,other_worst_median,other_worst_high,"
-              "other_covariance_low,other_covariance_median,other_covariance_high");
+              "other_covariance_low,other_covariance_median,other_covariance_high,predicted_covariance,"
+              "predicted_at_least");
     for (json const& r : results) {
         ASSERT_TRUE(std::getline(csv, line));
         std::string const digits = r["theta_digits"].is_null() ? "" : r["theta_digits"].dump();

@@ -71,6 +71,19 @@ def test_the_records():
     assert c.to_dict()["results"]
 
 
+def test_probes_stand_beside_the_truth():
+    X, y = rows(120, 3)
+    c = rlslab.compare(X, y, **QUICK, certify=True)
+    ud = next(r for r in c.records if r["variant"] == "ud" and r["arithmetic"] == "float")
+    assert 0 < ud["probes_truth"] < ud["probes_bound"] and ud["probes_estimate"] < ud["probes_bound"]
+    assert abs(ud["predicted_covariance"] - ud["covariance_median"]) < 1 and ud["predicted_at_least"] is False
+    assert "Probes: 3 in a filter" in c.table() and "What probes show" in c.page
+    plain = rlslab.compare(X, y, **QUICK)
+    assert "probes_bound" not in plain.records[0] and "What probes show" not in plain.page
+    with pytest.raises(ValueError, match="certify: does not go with"):
+        rlslab.compare(X, y, **QUICK, certify=True, window=30)
+
+
 @pytest.mark.parametrize("options", [{}, {"prior_variance": 1e6}, {"digits": 4}, {"digits": 12}], ids=str)
 def test_the_filter_keeps_the_digits_that_were_counted(options):
     X, y = (a.astype(np.float32).astype(np.float64) for a in rows(120, 3))    # stored as they are

@@ -1,11 +1,13 @@
-// The random problems of study random_problems: their ranges, their spectrum, and what two realisations share.
-#include "studies/published/drawn_problem.hpp"
+// The random problems of study random_problems: their ranges, their spectrum, what two realisations share; and the
+// digits of P that compare predicts of them.
+#include "studies/published/naming.hpp"
 
 #include <rlslab/studies/spectra.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <iostream>
 #include <map>
 
 namespace rlslab::studies {
@@ -146,6 +148,37 @@ TEST(EverydayProblems, HaveTheRowsOfTheirKinds) {
         }
     }
 }
+
+/// Over problems of both distributions: how many predictions of P are within half a digit of the median, and how many
+/// of those that say "at least" stand.
+void judge_predictions(Index problems) {
+    std::map<std::string, std::pair<int, int>> found;
+    for (bool const everyday : {false, true})
+        for (Index number = 1; number <= problems; ++number) {
+            Seed seed{std::uint64_t(910000 + 2 * number + everyday)};
+            Seed const drawn{seed.next()}, rows{seed.next()}, noise{seed.next()};
+            DrawnProblem const p = everyday ? everyday_problem(number, drawn) : drawn_problem(number, drawn);
+            auto const c = naming::compared(realisation(p, rows, noise), p, seed.next());
+            if (!c || (p.word != "float" && p.word != "double")) continue;
+            for (compare::Result const& r : c->results) {
+                if (!r.predicted || !r.spread || r.broken > 0) continue;
+                double const more = r.spread->covariance.median - r.predicted->digits;
+                bool const holds = r.predicted->at_least ? more > -0.05 : std::abs(more) <= 0.5;
+                bool const rests = p.kind == "rest";
+                for (std::string const& name :
+                     {std::string(r.entry->variant) + (rests ? ", start at rest" : ""),
+                      std::string(r.predicted->at_least ? "P stored" : "factors") + (rests ? ", start at rest" : "")})
+                    found[name].first += holds, ++found[name].second;
+            }
+        }
+    for (auto const& [name, of] : found)
+        std::cout << name << ": " << of.first << " of " << of.second << ", " << 100.0 * of.first / of.second << " %\n";
+    auto const share = [&](char const* name) { return double(found[name].first) / double(found[name].second); };
+    EXPECT_GT(share("factors"), 0.9);
+    EXPECT_GT(share("P stored"), 0.98);
+}
+TEST(PredictedDigits, AreWithinHalfADigit) { judge_predictions(12); }
+TEST(PredictedDigits, DISABLED_OfManyProblems) { judge_predictions(200); }
 
 }  // namespace
 }  // namespace rlslab::studies

@@ -37,6 +37,7 @@ def compare(
     seed: int = 1,
     threads: int | None = None,
     timings: bool = True,
+    certify: bool = False,
 ) -> Comparison:
     """Every variant in every arithmetic on these rows, against the certified solution: what `rlslab compare` does.
 
@@ -68,6 +69,9 @@ def compare(
         None: all cores. The results do not depend on it.
     timings : bool
         Measure nanoseconds; False: leave out all that differs from run to run.
+    certify : bool
+        Also what three probes of each filter in float32 and float64 show of its error of P at the last row. Not with
+        `digits`, `window`, `guard` and `control`.
 
     Returns
     -------
@@ -115,6 +119,7 @@ def compare(
         seed=seed,
         threads=threads,
         no_timings=not timings,
+        certify=certify,
     )
     answer = _program.run(["compare", "-", *words], csv, ("compare.json", "compare.html"))
     around = {"window": window, "guard": guard, "control": control}
@@ -130,7 +135,9 @@ class Comparison:
         A row for each variant in each arithmetic: variant, arithmetic, recommended; the digits of theta, of its worst
         component and of P after the last row (theta_digits, theta_digits_worst, covariance_digits) and their spread
         along the record (theta_low, theta_median, theta_high, worst_low ...); breakdown_step, breakdown_kind; runs,
-        broken; asymmetry; operations and ns_per_update of one row. None: there is none.
+        broken; asymmetry; operations and ns_per_update of one row; predicted_covariance, digits of P foretold from the
+        rows, predicted_at_least: a lower bound; with `certify` probes_estimate, probes_bound, probes_truth of
+        ||Phat P^-1 - I||_F. None: there is none.
     best : dict or None
         The record of the recommended variant: in float or else in double; with `digits` what keeps them.
     recommended : list of dict
@@ -283,6 +290,9 @@ def _flat(result: Record, chosen: dict[str, str]) -> Record:
     out["breakdown_step"], out["breakdown_kind"] = breakdown["step"], breakdown["kind"]
     for name in ("runs", "broken", "asymmetry", "operations", "ns_per_update"):
         out[name] = result[name]
+    for group, names in (("predicted", ("covariance", "at_least")), ("probes", ("estimate", "bound", "truth"))):
+        if group in result:
+            out.update({f"{group}_{name}": (result[group] or {}).get(name) for name in names})
     if "obstacle" in result:
         out["obstacle"] = result["obstacle"]
     return out

@@ -129,7 +129,7 @@ std::string folded(std::string const& code, size_t width) {
             begin = from, end = std::min(code.find('\n', from), code.size());
             line += ' ' + code.substr(begin, end - begin);
         }
-        line = wrapped(line, 0, comment ? 0 : 4, width - (comment ? 5 : 0));
+        line = wrapped(line, 0, comment ? 0 : 4, width - (comment && line.size() > width ? 5 : 0));
         for (size_t at = line.find('\n'); comment && at != line.npos; at = line.find('\n', at + 1))
             line.insert(at + 1, "//   ");
         out += line + '\n';

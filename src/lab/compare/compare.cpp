@@ -7,6 +7,7 @@
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/exact_sums.hpp"
 #include "src/lab/compare/fast_score.hpp"
+#include "src/lab/compare/predicted.hpp"
 #include "src/lab/compare/probed.hpp"
 #include "src/lab/compare/recommend.hpp"
 
@@ -436,6 +437,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     if (draws) draw(entries, used, prepared, records, given, out, scores, progress);
     if (progress) progress("comparing", 1);
     out.results = std::move(scores.results);
+    if (options.composition.empty()) predict(out.results, prepared.rounded);
     if (options.certify) probe(out.results, prepared.rounded);
     time_all(out.results, prepared, records, options);
     out.recommendations = recommend_all(used, out);

@@ -74,6 +74,12 @@ struct Probed {
     std::optional<double> truth;  ///< in 257 bits; absent of `information`, whose factor the probes look at
 };
 
+/// Digits of P from the rows alone (predicted.hpp), as the median of the spread: about so many, or at least so many.
+struct Predicted {
+    double digits;
+    bool at_least;
+};
+
 /// One row of the table: in the record's own order, unless it says otherwise.
 struct Result {
     CatalogueEntry const* entry;
@@ -90,7 +96,8 @@ struct Result {
     std::optional<double> asymmetry = {};      ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
     std::optional<long> operations = {};       ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
-    std::optional<Probed> probed = {};  ///< with options.certify, in the record's own order
+    std::optional<Probed> probed = {};        ///< with options.certify, in the record's own order
+    std::optional<Predicted> predicted = {};  ///< absent with a composition, and where there is no law
     // With a composition around the variant:
     std::string obstacle = {};                     ///< why it cannot be; the rest is then empty
     std::vector<CompositionCounts> happened = {};  ///< at each checkpoint

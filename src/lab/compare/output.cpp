@@ -176,7 +176,12 @@ std::string as_json(Comparison const& c) {
                                 {"bound", short_json(r.probed->bound)},
                                 {"truth", r.probed->truth ? short_json(*r.probed->truth) : Json(nullptr)}}
                          : Json(nullptr);
-        if (c.options.composition.empty()) continue;
+        if (c.options.composition.empty()) {
+            out["results"].back()["predicted"] = r.predicted ? Json{{"covariance", tenths_json(r.predicted->digits)},
+                                                                    {"at_least", r.predicted->at_least}}
+                                                             : Json(nullptr);
+            continue;
+        }
         Json& row = out["results"].back();
         row["obstacle"] = r.obstacle.empty() ? Json(nullptr) : Json(r.obstacle);
         row["certified_to"] = r.certified_to;
@@ -216,6 +221,7 @@ std::string as_csv(Comparison const& c) {
     for (char const* of : measured)
         for (char const* point : {"low", "median", "high"}) out += fmt::format(",other_{}_{}", of, point);
     bool const plain = c.options.composition.empty();
+    if (plain) out += ",predicted_covariance,predicted_at_least";
     if (c.options.certify) out += ",probes_estimate,probes_bound,probes_truth";
     if (!plain) {
         out += ",obstacle,certified_to";
@@ -240,6 +246,8 @@ std::string as_csv(Comparison const& c) {
         spreads(r.spread);
         out += fmt::format(",{},{}", r.others.runs, r.others.broken);
         spreads(r.others.spread);
+        if (plain)
+            out += r.predicted ? fmt::format(",{:.1f},{}", r.predicted->digits, int(r.predicted->at_least)) : ",,";
         if (c.options.certify)
             out += r.probed ? fmt::format(",{},{},{}", cell(short_json(r.probed->estimate)),
                                           cell(short_json(r.probed->bound)),

@@ -277,6 +277,29 @@ std::string tables(Comparison const& c) {
     return out;
 }
 
+/// Estimate, bound and truth of the forms that take probes; "" without them.
+std::string probes(Comparison const& c) {
+    std::string out;
+    auto const number = [](double x) { return fmt::format("{:.1e}", x); };
+    for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
+        std::vector<std::vector<std::string>> rows;
+        std::vector<size_t> best;
+        for (Result const* x : results) {
+            if (!x->probed) continue;
+            if (is_recommended(c, *x)) best.push_back(rows.size());
+            rows.push_back({(is_recommended(c, *x) ? "★ " : "") + std::string(x->entry->variant),
+                            number(x->probed->estimate), number(x->probed->bound),
+                            x->probed->truth ? number(*x->probed->truth) : "-"});
+        }
+        if (!rows.empty())
+            out += fmt::format("<h3>{}</h3>\n", r.arithmetic) +
+                   table_html({"variant", "estimate", "bound", "truth"}, rows, best);
+    });
+    return out.empty() ? ""
+                       : fmt::format("<section><h2>What probes show</h2>\n<p>{}</p>\n{}</section>",
+                                     escaped(probes_sentence(c)), out);
+}
+
 std::string solutions(Comparison const& c) {
     std::vector<std::vector<std::string>> rows;
     for (size_t i = 0; i < c.names.size(); ++i)
@@ -331,7 +354,7 @@ std::string as_page(Comparison const& c) {
         "the variants that take single rows and never broke down, in the column where that is most. Asymmetry: max "
         "|P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
         (foretold_text(c).empty() ? "" : fmt::format("<p>{}</p>\n", escaped(foretold_text(c)))) + tables(c) +
-        "</section><section><h2>The exact solutions</h2>\n";
+        "</section>" + probes(c) + "<section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
     body += fmt::format(
         "<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius,

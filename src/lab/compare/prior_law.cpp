@@ -280,16 +280,22 @@ std::vector<StartCost> start_costs(Records const& records, Comparison const& c) 
 
 std::string start_cost_text(Comparison const& c) {
     std::string out;
+    bool smaller = false;
     for (StartCost const& cost : c.start_costs)
-        if (is_a_loss(cost.loss))
+        if (is_a_loss(cost.loss)) {
+            smaller = smaller || cost.best_c2;
             out += fmt::format("{}in {} about {:.1f} digits of theta, to {:.1f}{}", out.empty() ? "" : "; ",
                                cost.arithmetic, cost.loss, cost.digits,
                                cost.best_c2 ? fmt::format(" (best c^2 {:.1g})", *cost.best_c2) : "");
+        }
     return out.empty() ? ""
                        : fmt::format(
                              "the first rows excite so little that with this prior theta is far off at first: forms "
-                             "that correct theta row by row keep the roundings of that, {}; qr and gentleman do not",
-                             out);
+                             "that correct theta row by row keep the roundings of that, {}; qr and gentleman do not{}",
+                             out,
+                             smaller ? "; c is how many deviations of the noise a parameter may be in units of its "
+                                       "regressor (docs/theory.md 130)"
+                                     : "");
 }
 
 std::string prior_cost_text(Comparison const& c) {

@@ -18,32 +18,17 @@ Matrix<Reference> prior_of(Problem<double> const& problem) {
     return out;
 }
 
-/// P^-1 after all rows of the problem as stored.
-Matrix<Reference> information_of(RoundedProblem const& rounded) {
-    Matrix<Reference> X = inverse(prior_of(rounded.problem));
-    Reference const lambda = rounded.problem.forgetting;
-    Index const d = X.rows();
-    for (Index k = 0; k < rounded.records.rows(); ++k)
-        for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i <= j; ++i) {
-                X(i, j) *= lambda;
-                X(i, j) += Reference(rounded.records.psi(i, k)) * Reference(rounded.records.psi(j, k));
-                X(j, i) = X(i, j);
-            }
-    return X;
-}
-
 /// Absent where there is an obstacle.
 std::optional<Probed> probed(CatalogueEntry const& entry, RoundedProblem const& rounded,
-                             Matrix<Reference> const& information) {
+                             std::optional<Matrix<Reference>> const& information) {
     auto const filter =
         composed({.certify = probes_of_compare}, entry.variant, entry.arithmetic->name, rounded.problem);
     if (!filter) return {};
     filter->update_block(rounded.records, 0, rounded.records.rows());
     Certificate<double> const found = filter->certificate().value();
     Probed out{found.estimate, found.bound, {}};
-    if (entry.variant == "information") return out;
-    Matrix<Reference> E = covariance_of(filter->stored(), inverse) * information;
+    if (entry.variant == "information" || !information) return out;
+    Matrix<Reference> E = covariance_of(filter->stored(), inverse) * *information;
     Matrix<Reference> const P0 = prior_of(rounded.problem);
     Reference sum = 0;
     for (Index j = 0; j < E.cols(); ++j)
@@ -62,7 +47,9 @@ void probe(std::vector<Result>& results, std::map<std::string_view, RoundedProbl
     for (std::string_view const arithmetic : {"float", "double"}) {
         auto const problem = rounded.find(arithmetic);
         if (problem == rounded.end() || !problem->second.in_range) continue;
-        Matrix<Reference> const information = information_of(problem->second);
+        std::vector<CertifiedSolution> const& exact = problem->second.orders.front().exact;
+        std::optional<Matrix<Reference>> information;
+        if (!exact.empty()) information = inverse(exact.back().covariance());
         for (Result& r : results)
             if (r.entry->arithmetic->name == arithmetic) r.probed = probed(*r.entry, problem->second, information);
     }

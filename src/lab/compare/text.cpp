@@ -3,7 +3,6 @@
 #include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/probed.hpp"
 
 #include <rlslab/input/text.hpp>
 
@@ -151,13 +150,33 @@ std::string table_text(Comparison const& c, Paint const& paint, size_t width) {
     return out;
 }
 
+/// "ud 6.4 float, 15.2 double; symmetric at least 3.6, 12.4": the recommended form or the first shown, and the
+/// first of those that have a bound; "".
+std::string predicted_text(Comparison const& c) {
+    std::string out;
+    for (bool const at_least : {false, true}) {
+        auto const is_of = [&](Result const& r) {
+            return r.predicted && r.predicted->at_least == at_least && is_shown(c, r.entry->variant);
+        };
+        auto named = std::ranges::find_if(c.results, [&](Result const& r) { return is_of(r) && is_recommended(c, r); });
+        if (named == c.results.end()) named = std::ranges::find_if(c.results, is_of);
+        if (named == c.results.end()) continue;
+        std::vector<std::string> digits;
+        for (Result const& r : c.results)
+            if (r.entry->variant == named->entry->variant)
+                digits.push_back((r.predicted ? tenths(r.predicted->digits) : "-") +
+                                 (out.empty() ? fmt::format(" {}", r.entry->arithmetic->name) : ""));
+        out += fmt::format("{}{}{} {}", out.empty() ? "" : "; ", named->entry->variant, at_least ? " at least" : "",
+                           fmt::join(digits, ", "));
+    }
+    return out;
+}
+
 /// What the probes show, of the forms in the table.
 std::string probes_text(Comparison const& c, Paint const& paint, size_t width) {
     std::string titles, columns, lines;
     std::vector<Arithmetic const*> arithmetics;
-    Index seen = 0, above = 0;
     for (Result const& r : c.results) {
-        if (r.probed && r.probed->truth) ++seen, above += *r.probed->truth > r.probed->bound;
         if (r.probed && std::ranges::find(arithmetics, r.entry->arithmetic) == arithmetics.end()) {
             arithmetics.push_back(r.entry->arithmetic);
             titles += fmt::format("{:>30}", r.entry->arithmetic->name);
@@ -174,12 +193,9 @@ std::string probes_text(Comparison const& c, Paint const& paint, size_t width) {
                                          r->probed->truth ? fmt::format("{:.1e}", *r->probed->truth) : "-");
         if (!cells.empty()) lines += fmt::format("  {:<16}{}\n", row.variant, cells);
     }
-    std::string const says = fmt::format(
-        "Probes: {} in a filter estimate ||Phat P^-1 - I||_F at the last row while it runs, in the prior's units; the "
-        "bound fails with probability 5e-4. Truth, in 257 bits, is above it in {} of {} forms.",
-        probes_of_compare, above, seen);
     return '\n' + paint("1", fmt::format("  {:<16}{}", "probes", titles)) + '\n' +
-           paint("2", fmt::format("  {:<16}{}", "", columns)) + '\n' + lines + wrapped(says, 0, 4, width) + '\n';
+           paint("2", fmt::format("  {:<16}{}", "", columns)) + '\n' + lines +
+           wrapped(probes_sentence(c), 0, 4, width) + '\n';
 }
 
 /// Whether what storing the data does is worth a line: it costs a digit, or more than digits.
@@ -223,6 +239,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     out += head("prior", prior_text(c));
     bool const plain = c.options.composition.empty();
     if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
+    if (std::string const predicted = predicted_text(c); !predicted.empty()) out += head("predicted P", predicted);
     out += '\n' + theta_text(c) + table_text(c, paint, width);
 
     std::vector<std::string> notes;

@@ -47,6 +47,9 @@ std::string recommended_in(Comparison const& comparison, std::string_view arithm
 /// Whether this result is of that variant.
 bool is_recommended(Comparison const& comparison, Result const& result);
 
+/// What the probes of --certify are, and whether the truth is below their bounds.
+std::string probes_sentence(Comparison const& comparison);
+
 /// The prior, and what it does to theta.
 std::string prior_text(Comparison const& comparison);
 

@@ -1,0 +1,196 @@
+// Triangles of the rows so far in double; each row that is kept is carried to each checkpoint.
+#include "src/lab/compare/predicted.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab::compare {
+namespace {
+
+using Square = Matrix<double>;
+using Column = Vector<double>;
+
+/// What the law needs of row j. A root of P_(j-1), and P_(j-1), are those that a form rounds.
+struct Row {
+    Square R, F, S, S_before, before;  // R'R = M_j, F = R^-1, S of Potter's
+    Column psi;
+};
+
+/// The row folded into R, R'R = M, by rotations.
+void fold(Square& R, Column psi, double root_lambda) {
+    R *= root_lambda;
+    for (Index j = 0; j < psi.size(); ++j) {
+        double const length = std::sqrt(R(j, j) * R(j, j) + psi[j] * psi[j]);
+        if (psi[j] == 0) continue;
+        double const c = R(j, j) / length, s = psi[j] / length;
+        for (Index l = j; l < psi.size(); ++l) {
+            double const of_row = R(j, l);
+            R(j, l) = c * of_row + s * psi[l];
+            psi[l] = c * psi[l] - s * of_row;
+        }
+    }
+}
+
+/// Row j and the rows that it stands for.
+struct Share {
+    Index row;
+    double rows;
+};
+/// All of the first 4 d, then fewer the longer ago they are.
+std::vector<Share> rows_before(Index k, Index d) {
+    std::vector<Share> out;
+    Index const dense = std::min(k, 4 * d);
+    constexpr int of_a_length = 6;
+    for (Index j = k, n = 0, length = 1; j > dense;) {
+        Index const taken = std::min(length, j - dense);
+        out.push_back({j - taken / 2, double(taken)});
+        j -= taken;
+        if (++n % of_a_length == 0) length *= 2;
+    }
+    for (Index j = dense; j > 0; --j) out.push_back({j, 1});
+    return out;
+}
+
+std::vector<Index> looked_at(Index rows, Index d) {
+    std::vector<Index> const all = checkpoints_of(rows);
+    std::vector<Index> out;
+    for (size_t i = all.size(); i > 0; i -= std::min<size_t>(i, 4))
+        if (all[i - 1] >= std::min(rows, 2 * d)) out.push_back(all[i - 1]);
+    return out;
+}
+
+constexpr double least = 0x1p-1000;
+/// The rows that the checkpoints need.
+std::map<Index, Row> rows_of(RoundedProblem const& rounded, std::vector<Index> const& checkpoints) {
+    Index const d = rounded.problem.size;
+    std::map<Index, Row> out;
+    for (Index const k : checkpoints) {
+        out[k];
+        for (Share const& one : rows_before(k, d)) out[one.row];
+    }
+    Prior<double> const& prior = *rounded.problem.prior;
+    // Digits have no unit; in one where the largest number is near 1 squares are in range.
+    double const unit = std::ldexp(1.0, -std::ilogb(std::max(least, rounded.records.psi.cwiseAbs().maxCoeff())));
+    Column const P0 =
+        (prior.covariance ? Column(prior.covariance->diagonal()) : Column::Constant(d, prior.variance)) / unit / unit;
+    double const lambda = rounded.problem.forgetting, root = std::sqrt(lambda);
+    Square S = P0.cwiseSqrt().asDiagonal(), R = P0.cwiseSqrt().cwiseInverse().asDiagonal();
+    for (Index k = 1; k <= checkpoints.front(); ++k) {
+        Column const psi = unit * rounded.records.psi.col(k - 1), phi = S.transpose() * psi;
+        auto const kept = out.find(k);
+        if (kept != out.end()) kept->second.S_before = S, kept->second.before = S * S.transpose() / lambda;
+        double const s = lambda + phi.squaredNorm();
+        Column const f = S * phi / (s + std::sqrt(lambda * s));
+        S = (S - f * phi.transpose()) / root;
+        fold(R, psi, root);
+        if (kept == out.end()) continue;
+        Row& row = kept->second;
+        row.R = R, row.S = S, row.psi = psi;
+        row.F = R.triangularView<Eigen::Upper>().solve(Square::Identity(d, d));
+    }
+    return out;
+}
+
+Column lengths(Square const& X) { return X.colwise().squaredNorm().transpose(); }
+/// sum_il x_i E_il^2 y_l.
+double weighed(Column const& x, Square const& E, Column const& y) { return x.dot(E.cwiseAbs2() * y); }
+
+PowerLaw::Sizes sizes_at(std::map<Index, Row> const& rows, Index k, double lambda) {
+    Square const &F_k = rows.at(k).F, P = F_k * F_k.transpose();
+    PowerLaw::Sizes out{};
+    Square bias = Square::Zero(P.rows(), P.cols());
+    for (auto const [j, count] : rows_before(k, P.rows())) {
+        Row const& row = rows.at(j);
+        double const left = correctly::pow(lambda, double(k - j)), share = count * left * left;
+        Square const carried = P * row.R.transpose(), T = carried * row.R;
+        Column const of_entry = lengths(T);
+        out.triangle += share * weighed(of_entry, row.F, lengths(carried));
+        out.information += share * weighed(lengths(carried), row.R, lengths(P));
+        out.root += share * weighed(of_entry, row.S_before, lengths(T * row.S));
+        out.difference += share * weighed(of_entry, row.before, of_entry);
+        Column const K = row.F * (row.F.transpose() * row.psi);
+        Square const H = (Square::Identity(P.rows(), P.cols()) - K * row.psi.transpose()).cwiseAbs();
+        out.joseph += share * weighed(of_entry, H * row.before.cwiseAbs() * H.transpose(), of_entry);
+        if (lambda < 1) bias += count * left * carried * carried.transpose();
+    }
+    double const size = P.norm();
+    auto const relative = [&](double squares) { return std::sqrt(squares) / size; };
+    return {relative(out.triangle),   relative(out.information), relative(out.root),
+            relative(out.difference), relative(out.joseph),      bias.norm() / size};
+}
+
+/// eps of (2).
+double bias_of(Arithmetic const& arithmetic, double lambda) {
+    if (lambda == 1) return 0;
+    double const rho = arithmetic.round(std::sqrt(lambda)), c = arithmetic.round((1 - rho) / rho);
+    Reference const factor = Reference(1) + c;
+    return static_cast<double>(Reference(Reference(1) / (factor * factor * Reference(lambda)) - Reference(1)));
+}
+
+struct Form {
+    std::string_view name;
+    double PowerLaw::Sizes::*size;
+    double c;
+    bool rounds_root = false;
+    bool at_least = false;
+};
+constexpr double once = 0.5, twice = 0.8, rotated = 1.5, at_most = 5;
+constexpr auto triangle = &PowerLaw::Sizes::triangle, information = &PowerLaw::Sizes::information,
+               difference = &PowerLaw::Sizes::difference;
+constexpr Form forms[] = {{"ud", triangle, twice},
+                          {"ud_delta", triangle, once},
+                          {"carlson_delta", triangle, twice},
+                          {"inverse_qr_delta", triangle, twice},
+                          {"gentleman", information, once},
+                          {"carlson", triangle, rotated, true},
+                          {"inverse_qr", triangle, rotated, true},
+                          {"qr", information, rotated, true},
+                          {"extended_qr", triangle, rotated, true},
+                          {"potter", &PowerLaw::Sizes::root, twice, true},
+                          {"symmetric", difference, at_most, false, true},
+                          {"joseph_rank_two", difference, at_most, false, true},
+                          {"conventional_two_sided", difference, at_most, false, true},
+                          {"joseph", &PowerLaw::Sizes::joseph, at_most, false, true}};
+
+}  // namespace
+
+PowerLaw power_law(RoundedProblem const& rounded) {
+    std::vector<Index> const checkpoints = looked_at(rounded.records.rows(), rounded.problem.size);
+    std::map<Index, Row> const rows = rows_of(rounded, checkpoints);
+    PowerLaw out;
+    for (Index const k : checkpoints) out.at.push_back(sizes_at(rows, k, rounded.problem.forgetting));
+    return out;
+}
+
+std::optional<Predicted> predicted(PowerLaw const& law, CatalogueEntry const& entry, double forgetting) {
+    auto const form = std::ranges::find(forms, entry.variant, &Form::name);
+    Arithmetic const& arithmetic = *entry.arithmetic;
+    constexpr int longest = 53;
+    if (form == std::end(forms) || arithmetic.stochastic || arithmetic.digits > longest) return {};
+    double const eps = form->rounds_root ? bias_of(arithmetic, forgetting) : 0;
+    std::vector<double> digits;
+    for (PowerLaw::Sizes const& at : law.at) {
+        double const rounding = form->c * arithmetic.unit_roundoff() * at.*form->size, bias = eps * at.bias;
+        double const error = std::sqrt(rounding * rounding + bias * bias);
+        if (!(std::isfinite(error) && error > 0)) return {};
+        digits.push_back(std::min(arithmetic.decimal_digits(), -correctly::log10(error)));
+    }
+    std::ranges::sort(digits);
+    double const median = digits[(digits.size() - 1) / 2];
+    return median > 0 ? std::optional(Predicted{median, form->at_least}) : std::nullopt;
+}
+
+void predict(std::vector<Result>& results, std::map<std::string_view, RoundedProblem> const& rounded) {
+    std::map<std::string_view, PowerLaw> laws;
+    for (auto const& [name, problem] : rounded)
+        if (problem.in_range && problem.records.psi.allFinite()) laws[name] = power_law(problem);
+    for (Result& r : results) {
+        std::string_view const name = r.entry->arithmetic->digits >= 53 ? "double" : r.entry->arithmetic->name;
+        if (auto const law = laws.find(name); law != laws.end())
+            r.predicted = predicted(law->second, *r.entry, rounded.at(name).problem.forgetting);
+    }
+}
+
+}  // namespace rlslab::compare
