@@ -3,7 +3,6 @@
 
 #include "bench/choice.hpp"
 #include "bench/scenario.hpp"
-#include "bench/shapes.hpp"
 
 #include <rlslab/core/concept.hpp>
 #include <rlslab/catalogue/timing.hpp>
@@ -15,6 +14,11 @@
 #include <vector>
 
 namespace rlslab::bench {
+
+/// The sizes of the batches, for the rows that are timed and for the limits on them.
+inline std::vector<int> const batch_sizes{10, 20, 40, 60, 100};
+inline int batch_rows(long size) { return size <= 40 ? 200000 : 50000; }  // more than a cache holds, either way
+inline std::string shape(long rows, long size) { return std::to_string(rows) + "x" + std::to_string(size); }
 
 /// A file's rows: its add() is called when the options have been read.
 class Rows {

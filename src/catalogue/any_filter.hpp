@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <variant>
 #include <vector>
 
 namespace rlslab {
@@ -21,27 +22,33 @@ public:
     virtual ~AnyFilter() = default;
     /// One row, psi of d numbers. The numbers of the step are rounded to binary64. Throws std::invalid_argument for
     /// another size.
-    virtual Step<double> update(Regressor<double> psi, double y) = 0;
+    Step<double> update(Regressor<double> psi, double y) { return take(psi, y, nullptr); }
     /// One row, with relative errors in the vector that plays the gain in the update of P. One column: K_i (1 +
-    /// relative_i) in place of K_i, wherever it is used, in a sweep's running gain too. A column for each number of the
+    /// errors_i) in place of K_i, wherever it is used, in a sweep's running gain too. A column for each number of the
     /// gain: column j are errors that enter a sweep's running gain after its column j, and stay; a gain computed at
     /// once takes the last. Throws std::invalid_argument unless CatalogueEntry::gain_perturbable, and for errors of
     /// another shape.
-    virtual Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) = 0;
+    Step<double> update(Regressor<double> psi, double y, Matrix<double> const& errors) { return take(psi, y, &errors); }
     /// Rows first ... last-1 of the records, in blocks if the variant TakesBlocks, otherwise one by one. Returns the
     /// step of the last row; after blocks its numbers are NaN and its health is that of the last block.
     virtual Step<double> update_block(Records const& records, Index first, Index last) = 0;
-    virtual Vector<Reference> theta() const = 0;
-    virtual Vector<Reference> gain() const = 0;
-    virtual Stored<Reference> stored() const = 0;
+    Vector<Reference> theta() const { return std::get<0>(report(Number::theta)); }
+    Vector<Reference> gain() const { return std::get<0>(report(Number::gain)); }
+    Stored<Reference> stored() const { return std::get<1>(report(Number::stored)); }
     /// stored() rounded to binary64, except that a nonzero number never becomes zero. `surely_positive` decides most
     /// questions of definiteness from it.
-    virtual Stored<double> stored_in_double() const = 0;
+    Stored<double> stored_in_double() const { return std::get<2>(report(Number::stored_in_double)); }
     virtual std::unique_ptr<AnyFilter> clone() const = 0;
     /// The state bit for bit, with the stream of stochastic rounding; and back into a filter of the same size. Throws
     /// InputError for other bytes, in one line, and the filter is then as it was. See <rlslab/state/state.hpp>.
     virtual std::vector<std::byte> saved() const = 0;
     virtual void load(std::span<std::byte const>) = 0;
+
+protected:
+    enum class Number { theta, gain, stored, stored_in_double };
+    using Report = std::variant<Vector<Reference>, Stored<Reference>, Stored<double>>;
+    virtual Step<double> take(Regressor<double> psi, double y, Matrix<double> const* errors) = 0;
+    virtual Report report(Number what) const = 0;
 };
 
 /// ArithmeticTraits as data.

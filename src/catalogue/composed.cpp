@@ -12,37 +12,27 @@ class Composed final : public Erased<Assessed<AnyAdaptive<T>>, ComposedFilter> {
     using Base = Erased<Assessed<AnyAdaptive<T>>, ComposedFilter>;
     using Base::filter_;
 
-    /// Of a variant that does not tell its variances.
-    static Interval<double> alone(T const& value) {
-        double const none = std::numeric_limits<double>::quiet_NaN();
-        return {in_double(value), none, none, none};
-    }
-    static Interval<double> in_doubles(Interval<T> const& i) {
-        return {in_double(i.value), in_double(i.deviation), in_double(i.low), in_double(i.high)};
-    }
-
 public:
     Composed(AnyAdaptive<T> const& filter, T const& forgetting) : Base({filter, forgetting}, Seed{0}) {}
 
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Composed>(*this); }
-    CompositionCounts counts() const override { return filter_.filter().composition_counts(); }
-    std::optional<Certificate<double>> certificate() const override {
-        if (filter_.filter().probe_count() == 0) return {};
-        auto const found = filter_.filter().certificate();
-        return Certificate<double>{in_double(found.estimate), in_double(found.bound), in_double(found.theta),
-                                   found.definite};
+    ComposedFilter::Account account() const override {
+        auto const& inside = filter_.filter();
+        double const noise = filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan("");
+        if (inside.probe_count() == 0) return {inside.composition_counts(), {}, noise};
+        auto const c = inside.certificate();
+        return {inside.composition_counts(),
+                {{in_double(c.estimate), in_double(c.bound), in_double(c.theta), c.definite}},
+                noise};
     }
-    double noise_variance() const override {
-        return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan("");
-    }
-    Interval<double> interval(Index j, double q) override {
-        if (!filter_.filter().abilities().variances) return alone(filter_.theta()[j]);
-        return in_doubles(filter_.interval(j, T(q)));
-    }
-    Interval<double> prediction(Regressor<double> psi, double q) override {
-        Vector<T> const row = rounded<T>(psi), theta = filter_.theta();
-        if (!filter_.filter().abilities().variances) return alone(dot(row.data(), theta.data(), row.size()));
-        return in_doubles(filter_.prediction(row, T(q)));
+    Interval<double> interval(std::variant<Index, Regressor<double>> const& of, double q) override {
+        auto const* const j = std::get_if<Index>(&of);
+        Vector<T> const theta = filter_.theta(), row = j ? Vector<T>() : rounded<T>(std::get<1>(of));
+        double const none = std::numeric_limits<double>::quiet_NaN();
+        if (!filter_.filter().abilities().variances)
+            return {in_double(j ? theta[*j] : dot(row.data(), theta.data(), row.size())), none, none, none};
+        Interval<T> const i = j ? filter_.interval(*j, T(q)) : filter_.prediction(row, T(q));
+        return {in_double(i.value), in_double(i.deviation), in_double(i.low), in_double(i.high)};
     }
 };
 

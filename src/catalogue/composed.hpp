@@ -8,21 +8,27 @@
 #include <rlslab/catalogue/any_filter.hpp>
 
 #include <optional>
+#include <variant>
 
 namespace rlslab {
 
 /// A composed filter behind the erased interface, with what it says of itself.
 class ComposedFilter : public AnyFilter {
 public:
-    virtual CompositionCounts counts() const = 0;
-    /// What its probes find; absent where it has none.
-    virtual std::optional<Certificate<double>> certificate() const = 0;
-    /// Of Assessed, rounded to binary64: the noise's variance, theta_j +- q deviations, the next output +- q
-    /// deviations. Deviations are NaN until the noise is known, and of a variant that shows no state (`kalman` and
-    /// `extended_qr` with `constant`).
-    virtual double noise_variance() const = 0;
-    virtual Interval<double> interval(Index j, double q) = 0;
-    virtual Interval<double> prediction(Regressor<double> psi, double q) = 0;
+    struct Account {
+        CompositionCounts counts;
+        std::optional<Certificate<double>> certificate;  ///< what its probes find; absent where it has none
+        double noise_variance;
+    };
+    virtual Account account() const = 0;
+    /// Of Assessed, rounded to binary64: theta_j +- q deviations, or psi's output. Deviations and the noise's variance
+    /// are NaN until the noise is known, and of a variant that shows no state (`kalman` and `extended_qr` with
+    /// `constant`).
+    virtual Interval<double> interval(std::variant<Index, Regressor<double>> const& of, double q) = 0;
+    Interval<double> prediction(Regressor<double> psi, double q) { return interval(psi, q); }
+    CompositionCounts counts() const { return account().counts; }
+    std::optional<Certificate<double>> certificate() const { return account().certificate; }
+    double noise_variance() const { return account().noise_variance; }
 };
 
 /// The arithmetics in which compositions exist besides "reference" (257 bits).

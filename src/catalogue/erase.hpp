@@ -95,18 +95,15 @@ public:
     }
     Erased(F filter, Seed seed) : filter_(std::move(filter)), seed_(seed) {}
 
-    Step<double> update(Regressor<double> psi, double y) override {
+    Step<double> take(Regressor<double> psi, double y, Matrix<double> const* relative) override {
         Within const within(*this, seed_);
-        return step_in_double(filter_.update(rounded<T>(psi), round_to<T>(y)));
-    }
-    Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) override {
+        if (!relative) return step_in_double(filter_.update(rounded<T>(psi), round_to<T>(y)));
         if constexpr (GainPerturbable<F>) {
-            Index const columns = relative.cols();
-            expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()),
+            Index const columns = relative->cols();
+            expects(relative->rows() == psi.size() && (columns == 1 || columns == psi.size()),
                     "an error for each number of the gain");
-            Within const within(*this, seed_);
             return step_in_double(filter_.update(rounded<T>(psi), round_to<T>(y),
-                                                 RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
+                                                 RelativeErrors<T>{*relative, std::vector<T>(size_t(psi.size()))}));
         } else {
             throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " +
                                         std::string(F::name));
@@ -119,18 +116,15 @@ public:
         return step_in_double(process(filter_, psi, y));
     }
     // Reports draw from a copy of the seed, so that they do not change later results.
-    Vector<Reference> theta() const override {
+    typename Interface::Report report(typename Interface::Number what) const override {
+        if (what == Interface::Number::stored) return filter_.stored().template mapped<Reference>(&widened<T>);
+        if (what == Interface::Number::stored_in_double) return in_double(filter_.stored());
         Seed copy = seed_;
         Within const within(*this, copy);
-        return Vector<T>(filter_.theta()).unaryExpr(&widened<T>);
+        Vector<T> const numbers =
+            what == Interface::Number::theta ? Vector<T>(filter_.theta()) : Vector<T>(filter_.gain());
+        return Vector<Reference>(numbers.unaryExpr(&widened<T>));
     }
-    Vector<Reference> gain() const override {
-        Seed copy = seed_;
-        Within const within(*this, copy);
-        return Vector<T>(filter_.gain()).unaryExpr(&widened<T>);
-    }
-    Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
-    Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override {
         if constexpr (std::is_abstract_v<Erased>) throw std::logic_error("what has more to say copies itself");
         else return std::make_unique<Erased>(*this);

@@ -17,15 +17,15 @@ struct Holds final : AnyFilter {
     Stored<T> held;
     Shown* shown;
     Holds(Stored<T> stored, Shown* in_double) : held(std::move(stored)), shown(in_double) {}
-    Step<double> update(Regressor<double>, double) override { throw std::logic_error("not asked"); }
-    Step<double> update(Regressor<double>, double, Matrix<double> const&) override {
+    Step<double> take(Regressor<double>, double, Matrix<double> const*) override {
         throw std::logic_error("not asked");
     }
     Step<double> update_block(Records const&, Index, Index) override { throw std::logic_error("not asked"); }
-    Vector<Reference> theta() const override { return {}; }
-    Vector<Reference> gain() const override { return {}; }
-    Stored<Reference> stored() const override { return held.template mapped<Reference>(&widened<T>); }
-    Stored<double> stored_in_double() const override { return shown(held); }
+    Report report(Number what) const override {
+        if (what == Number::stored) return held.template mapped<Reference>(&widened<T>);
+        if (what == Number::stored_in_double) return shown(held);
+        return Vector<Reference>();
+    }
     std::unique_ptr<AnyFilter> clone() const override { return nullptr; }
     std::vector<std::byte> saved() const override { return {}; }
     void load(std::span<std::byte const>) override { throw std::logic_error("not asked"); }

@@ -152,14 +152,6 @@ TEST(Code, OfAWholeNumberThatFloatDoesNotHold) {
     expect_the_code_to_learn_the_same(arx("studies/data/sales.csv", "lead", "sales", 1),
                                       {.p0 = 16777217, .variants = {"carlson"}, .arithmetics = {"float"}});
 }
-TEST(Code, OfExtendedPrecision) {
-    if (std::ranges::none_of(arithmetics(), [](Arithmetic const& a) { return a.name == "extended"; }))
-        GTEST_SKIP() << "left out: no extended arithmetic here";
-    Records const records = arx("studies/data/sales.csv", "lead", "sales", 2);
-    Comparison const c = compare::compare(records, {.arithmetics = {"extended"}, .timings = false});
-    EXPECT_THAT(code(c), testing::HasSubstr("<long double, 5> filter({.size = 5"));
-    EXPECT_THAT(learnt_by(code(c), records), testing::Not(testing::HasSubstr("does not")));
-}
 
 /// Names that would end a comment, or go on with it, do not.
 TEST(Code, SurvivesAnyNameOfAColumn) {

@@ -1,7 +1,7 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "src/lab/compare/score.hpp"
-#include "src/lab/compare/exact_sums.hpp"
+#include "src/lab/compare/rounded_problem.hpp"
 #include "tests/common/laws.hpp"
 
 #include <rlslab/model/regression.hpp>

@@ -2,7 +2,7 @@
 // and rows whose sums are exact.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/score.hpp"
-#include "src/lab/compare/exact_sums.hpp"
+#include "src/lab/compare/rounded_problem.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"

@@ -160,7 +160,7 @@ Comparison compared(Records const& r, std::optional<double> p0, double forgettin
     Comparison c = compare::compare(r, {.forgetting = forgetting,
                                         .p0 = p0,
                                         .variants = {"ud"},
-                                        .arithmetics = {"float", "double", "extended", "bfloat16-stochastic"},
+                                        .arithmetics = {"float", "double", "quad", "bfloat16-stochastic"},
                                         .timings = false});
     c.prior_costs = prior_costs(r, c);
     return c;

@@ -1,8 +1,8 @@
 // The parts that `identify` judges by, each beside closed forms, counts and fits by another hand: outliers, remarks,
 // delays, poles and zeros that cancel, gains, sums of recursive residuals, limits of noise models.
 #include "src/lab/identify/coloured.hpp"
-#include "src/lab/identify/constancy.hpp"
-#include "src/lab/identify/noise_limit.hpp"
+#include "src/lab/identify/validate.hpp"
+#include "src/lab/identify/coloured.hpp"
 #include "src/lab/identify/remarks.hpp"
 #include "src/lab/identify/roots.hpp"
 #include "tests/identify/said.hpp"

@@ -7,6 +7,7 @@
 #include "tests/common/same.hpp"
 
 #include <rlslab/arithmetic/format.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/variants/conventional.hpp>

@@ -1,5 +1,9 @@
+// Studies that compute in double themselves. FusedDouble: fused means fused, and every other product is rounded.
 // Studies are compiled at -O1. Rounding is defined, so that no byte of a table depends on that: two of them at -O3.
+#include "studies/published/fused_double.hpp"
 #include "tests/common/program.hpp"
+
+#include <rlslab/core/random.hpp>
 
 namespace {
 
@@ -14,6 +18,32 @@ TEST_F(Optimisation, LeavesEachByteOfATable) {
         EXPECT_GT(table.size(), 1000u);
         EXPECT_EQ(without_run(table), without_run(read(folder / "optimised" / (study + ".csv")))) << study;
     }
+}
+
+TEST(Fused, AProductIsFusedIntoASumAndRoundedElsewhere) {
+    using rlslab::Seed;
+    using T = rlslab::studies::FusedDouble;
+    Seed seed{3};
+    int different = 0;
+    for (int n = 0; n < 1000; ++n) {
+        double const a = seed.bell(), b = seed.bell(), c = seed.bell(), d = seed.bell();
+        T const A(a), B(b), C(c), D(d);
+        EXPECT_EQ(double(T(C + A * B)), std::fma(a, b, c));
+        EXPECT_EQ(double(T(A * B + C)), std::fma(a, b, c));
+        EXPECT_EQ(double(T(C - A * B)), std::fma(-a, b, c));
+        EXPECT_EQ(double(T(A * B - C)), std::fma(a, b, -c));
+        EXPECT_EQ(double(T(A * B + C * D)), std::fma(c, d, a * b));
+        EXPECT_EQ(double(T(A * B - C * D)), std::fma(-c, d, a * b));
+        EXPECT_EQ(double(T(A * B)), a * b);
+        EXPECT_EQ(double(T(A * B / C)), a * b / c);
+        EXPECT_EQ(double(T((A * B) * C)), a * b * c);
+        T sum = C;
+        sum += A * B;
+        sum -= C * D;
+        EXPECT_EQ(double(sum), std::fma(-c, d, std::fma(a, b, c)));
+        different += std::fma(a, b, c) != c + a * b;
+    }
+    EXPECT_GT(different, 100) << "or nothing was tested";
 }
 
 }  // namespace

@@ -178,7 +178,7 @@ class Comparison:
         if wanted:
             chosen = {advice["arithmetic"]: advice["variant"]} if advice else {}
         self.records: list[Record] = [_flat(r, chosen) for r in self._all["results"]]
-        order = ("float", "double", "extended") if not wanted else tuple(chosen)
+        order = ("float", "double") if not wanted else tuple(chosen)
         self.best: Record | None = next(
             (r for name in order for r in self.records if r["recommended"] and r["arithmetic"] == name), None
         )

@@ -30,7 +30,7 @@ constexpr int variants = Shown::size, most_at_once = 128, in_measure = 1 + (vari
 struct Entry {
     char const* name;
     bool gain_error_applies;
-    std::unique_ptr<Running> (*run)(Problem<T> const&, double gain_error, int guard, Seed);
+    Running (*run)(Problem<T> const&, double gain_error, int guard, Seed);
 };
 Entry const* entries() {
     static std::array<Entry, variants> const all = [] {
@@ -52,7 +52,7 @@ struct Page {
     std::optional<Source> source;
     std::optional<Qr<Pair>> reference;
     Exact exact;
-    std::array<std::unique_ptr<Running>, variants> running;
+    std::array<std::optional<Running>, variants> running;
     double forgetting = 1, prior = 1;
     long taken = 0;
     double digits[variants][most_at_once];

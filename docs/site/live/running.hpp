@@ -7,9 +7,8 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/relative_errors.hpp>
-#include <rlslab/catalogue/round_to.hpp>
 
-#include <memory>
+#include <functional>
 
 namespace rlslab::live {
 
@@ -17,20 +16,6 @@ namespace rlslab::live {
 struct Exact {
     Vector<Pair> theta;
     Square P;  ///< only where rows are measured
-};
-
-class Running {
-public:
-    double digits = 0;             ///< of theta after the last row, as digits_of
-    double covariance_digits = 0;  ///< of P at the last measured row
-    std::array<double, most_parameters> spectrum{}, theta{};
-    std::uint64_t hash = 0xcbf29ce484222325;                  ///< FNV-1a of theta after every row
-    Index rows = 0, first_indefinite = 0, first_unsound = 0;  ///< row numbers from 1; 0: none yet
-    GuardCounts counts;                                       ///< zeros without a guard
-
-    virtual ~Running() = default;
-    /// psi and y have the format's bits.
-    virtual void update(Regressor<double> psi, double y, Exact const& exact, bool measured) = 0;
 };
 
 /// F, with a random relative error in each number of the gain that it uses to update P: r_i `size`, r nearly normal.
@@ -54,11 +39,6 @@ public:
 };
 template <class F>
 using Erring = std::conditional_t<GainPerturbable<F>, WithGainError<F>, F>;
-template <class F>
-Erring<F> erring(Problem<typename F::scalar> const& problem, double gain_error) {
-    if constexpr (GainPerturbable<F>) return WithGainError<F>(problem, gain_error);
-    else return F(problem);
-}
 
 /// One theta for all NaN: which of them an operation returns depends on the machine.
 inline void add_to(std::uint64_t& hash, double x) {
@@ -66,23 +46,21 @@ inline void add_to(std::uint64_t& hash, double x) {
     for (int i = 0; i < 8; ++i) hash = (hash ^ (bits >> (8 * i) & 0xff)) * 0x100000001b3;
 }
 
-template <class F>
-class RunningFilter : public Running {
-    using T = typename F::scalar;
-    F filter_;
+class Running {
+    using T = VariablePrecision;
     Seed seed_;
-    Vector<T> psi_;
+    std::function<void(Running&, Regressor<double>, double, Exact const&, bool)> take_;
 
-public:
-    RunningFilter(F const& filter, Seed seed) : filter_(filter), seed_(seed), psi_(filter.theta().size()) {}
-    void update(Regressor<double> psi, double y, Exact const& exact, bool measured) override {
+    template <class F>
+    void take(F& filter, Regressor<double> psi, double y, Exact const& exact, bool measured) {
         StochasticStream const stream(seed_);
-        for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(psi[i]);
-        Health const health = filter_.update(psi_, T(y)).health;
+        Vector<T> row(psi.size());
+        for (Index i = 0; i < row.size(); ++i) row[i] = T(psi[i]);
+        Health const health = filter.update(row, T(y)).health;
         ++rows;
         UncountedScope<T> const uncounted;
         if (health > Health::undetermined && first_unsound == 0) first_unsound = rows;
-        Vector<T> const now = filter_.theta();
+        Vector<T> const now = filter.theta();
         double error = 0, size = 0;
         for (Index i = 0; i < now.size(); ++i) {
             theta[size_t(i)] = static_cast<double>(now[i]);
@@ -91,31 +69,44 @@ public:
             error += e * e, size += x * x;
         }
         digits = digits_of(error, size);
-        if (first_indefinite == 0 && !is_definite(filter_.stored())) first_indefinite = rows;
-        if constexpr (requires { filter_.counts(); }) counts = filter_.counts();
+        if (first_indefinite == 0 && !is_definite(filter.stored())) first_indefinite = rows;
+        if constexpr (requires { filter.counts(); }) counts = filter.counts();
         if (!measured) return;
-        Square const P = covariance_of_stored(filter_.stored());
+        Square const P = covariance_of_stored(filter.stored());
         covariance_digits = digits_of(P, exact.P, int(now.size()));
         spectrum = eigenvalues(P, int(now.size()));
+    }
+
+public:
+    double digits = 0;             ///< of theta after the last row, as digits_of
+    double covariance_digits = 0;  ///< of P at the last measured row
+    std::array<double, most_parameters> spectrum{}, theta{};
+    std::uint64_t hash = 0xcbf29ce484222325;                  ///< FNV-1a of theta after every row
+    Index rows = 0, first_indefinite = 0, first_unsound = 0;  ///< row numbers from 1; 0: none yet
+    GuardCounts counts;                                       ///< zeros without a guard
+
+    template <class F>
+    Running(F const& filter, Seed seed)
+        : seed_(seed), take_([f = filter](Running& r, auto const&... row) mutable { r.take(f, row...); }) {}
+    /// psi and y have the format's bits.
+    void update(Regressor<double> psi, double y, Exact const& exact, bool measured) {
+        take_(*this, psi, y, exact, measured);
     }
 };
 
 /// A running V; with a guard around it as settings.hpp numbers them, 0: none.
 template <class V>
-std::unique_ptr<Running> run(Problem<typename V::scalar> const& problem, double gain_error, int guard, Seed seed) {
+Running run(Problem<VariablePrecision> const& problem, double gain_error, int guard, Seed seed) {
     using F = Erring<V>;
     StochasticStream const stream(seed);  // a filter computes when it is made, too
-    F const filter = erring<V>(problem, gain_error);
-    std::unique_ptr<Running> out;
-    if (guard == 0) out = std::make_unique<RunningFilter<F>>(filter, seed);
-    auto const within = [&]<size_t i>(std::integral_constant<size_t, i>) {
-        using G = Guarded<F, guards[i].policy>;
-        if (guard == int(i) + 1) out = std::make_unique<RunningFilter<G>>(G(filter, problem), seed);
-    };
-    [&]<size_t... i>(std::index_sequence<i...>) {
-        (within(std::integral_constant<size_t, i>{}), ...);
-    }(std::make_index_sequence<std::size(guards)>{});
-    return out;
+    F const filter = [&] {
+        if constexpr (GainPerturbable<V>) return F(problem, gain_error);
+        else return F(problem);
+    }();
+    static_assert(std::size(guards) == 2);
+    if (guard == 1) return {Guarded<F, guards[0].policy>(filter, problem), seed};
+    if (guard == 2) return {Guarded<F, guards[1].policy>(filter, problem), seed};
+    return {filter, seed};
 }
 
 }  // namespace rlslab::live

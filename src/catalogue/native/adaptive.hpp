@@ -46,9 +46,9 @@ constexpr Abilities abilities_by_type() {
 }
 
 /// What adapt/ does to a filter beside updates, and what it measures: the function of that name in
-/// <rlslab/adapt/time_update.hpp>, remove.hpp or diagnostics.hpp. determined: whether the rows determine theta, of a
-/// variant that starts without a prior and is alone; true of others.
-enum class Verb { set_forgetting, discount, inflate, reset, restart, cap_row, remove, pass_time, multiply, certify };
+/// <rlslab/adapt/time_update.hpp>, remove.hpp or diagnostics.hpp. rows: as rlslab::process. determined: whether
+/// the rows determine theta, of a variant that starts without a prior and is alone; true of others.
+enum class Verb { rows, set_forgetting, discount, inflate, reset, restart, cap_row, remove, pass_time, times, certify };
 enum class Measure {
     variance,
     variance_along,
@@ -95,7 +95,7 @@ struct AnyForm {
         return f.filter.measure(Measure::symmetric_within, {.x = &share, .i = i, .j = j}) == T(1);
     }
     friend T forgetting(AnyForm f) { return f.filter.measure(Measure::forgetting, {}); }
-    friend void times_covariance(AnyForm f, ProbesTimes<T>& times) { f.filter.act(Verb::multiply, {.times = &times}); }
+    friend void times_covariance(AnyForm f, ProbesTimes<T>& times) { f.filter.act(Verb::times, {.times = &times}); }
 };
 
 namespace detail {
@@ -136,11 +136,11 @@ public:
         Regressor<T> psi{static_cast<T const*>(nullptr), 0};
         StateVector<T>* scratch = nullptr;
         Index i = 0, j = 0;
-        ProbesTimes<T>* times = nullptr;             ///< of multiply
+        ProbesTimes<T>* times = nullptr;             ///< of times
         Certificate<ProbeWord<T>>* found = nullptr;  ///< of certify
     };
     struct Outcome {
-        Step<T> step{};        ///< of cap_row and pass_time
+        Step<T> step{};        ///< of rows, cap_row and pass_time
         Removal<T> removal{};  ///< of remove
     };
     /// What a filter says of itself, and Assessed asks for.
@@ -153,23 +153,22 @@ public:
         T const* root_lambda;  ///< of the form; null where it holds none
         Index probes;          ///< 0: none
     };
+    enum class Part { theta, gain };
     using StateVisitor =
         std::variant<detail::EntryVisitor const*, detail::Measuring*, detail::Writing*, detail::Reading*>;
 
     struct Interface {
         virtual ~Interface() = default;
-        virtual std::unique_ptr<Interface> clone() const = 0;
-        virtual bool assign(Interface const& other) = 0;
+        /// In place, without the heap, where `to` is of the same type.
+        virtual void copy_to(std::unique_ptr<Interface>& to) const = 0;
         virtual Account account() = 0;
         virtual GuardSignal signal() const = 0;
         virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
-        virtual Step<T> process(Rows const& psi, View const& y) = 0;
         virtual Innovation<T> look(Regressor<T> psi, T const& y) = 0;
         virtual Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) = 0;
-        virtual View theta() const = 0;
-        virtual View gain() const = 0;
-        virtual Stored<T> stored() const = 0;
-        virtual Matrix<T> matrix() const = 0;
+        virtual View view(Part part) const = 0;
+        /// `whole`: F alone, P or P^-1 as it is reported.
+        virtual Stored<T> stored(bool whole) const = 0;
         virtual Outcome act(Verb verb, Arguments const& with) = 0;
         virtual T measure(Measure what, Arguments const& with) = 0;
         virtual void show_state(StateVisitor const& to) = 0;
@@ -189,25 +188,25 @@ public:
     static std::unique_ptr<Interface> interface_around(F const& filter) {
         return std::make_unique<Around<F>>(filter);
     }
-    AnyAdaptive(AnyAdaptive const& other) : filter_(other.filter_->clone()) {}
+    AnyAdaptive(AnyAdaptive const& other) { other.filter_->copy_to(filter_); }
     AnyAdaptive(AnyAdaptive&&) noexcept = default;
     AnyAdaptive& operator=(AnyAdaptive&&) noexcept = default;
-    /// Of the same type in place, without the heap: a window starts anew so.
-    AnyAdaptive& operator=(AnyAdaptive const& other) {
-        if (!filter_ || !filter_->assign(*other.filter_)) filter_ = other.filter_->clone();
-        return *this;
-    }
+    /// Of the same type without the heap: a window starts anew so.
+    AnyAdaptive& operator=(AnyAdaptive const& other) { return other.filter_->copy_to(filter_), *this; }
 
     Step<T> update(Regressor<T> psi, T y) { return filter_->update(psi, y); }
     /// As rlslab::process, without the heap but for what takes blocks.
-    Step<T> process(Rows const& psi, View const& y) { return filter_->process(psi, y); }
+    Step<T> process(Rows const& psi, View const& y) {
+        Regressor<T> const first(psi.data(), psi.rows());
+        return filter_->act(Verb::rows, {.y = y.data(), .psi = first, .i = y.size(), .j = psi.outerStride()}).step;
+    }
     Step<T> pass_time(StateVector<T>& scratch) { return filter_->act(Verb::pass_time, {.scratch = &scratch}).step; }
     Innovation<T> look(Regressor<T> psi, T y) { return filter_->look(psi, y); }
     Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) { return filter_->commit(row, psi, y); }
-    View theta() const { return filter_->theta(); }
-    View gain() const { return filter_->gain(); }
-    Stored<T> stored() const { return filter_->stored(); }
-    Matrix<T> matrix() const { return filter_->matrix(); }  ///< P, or P^-1: as stored() has it
+    View theta() const { return filter_->view(Part::theta); }
+    View gain() const { return filter_->view(Part::gain); }
+    Stored<T> stored() const { return filter_->stored(false); }
+    Matrix<T> matrix() const { return filter_->stored(true).F; }  ///< P, or P^-1: as stored() has it
     bool matrix_is_covariance() const { return filter_->account().covariance; }
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->account().abilities; }
@@ -263,11 +262,9 @@ struct AnyAdaptive<T>::Around final : Interface {
 
     [[noreturn]] static void cannot() { throw std::logic_error("no such operation: " + std::string(F::name)); }
 
-    std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
-    bool assign(Interface const& other) override {
-        auto const* const same = dynamic_cast<Around const*>(&other);
-        if (same) f = same->f;
-        return same != nullptr;
+    void copy_to(std::unique_ptr<Interface>& to) const override {
+        if (auto* const same = dynamic_cast<Around*>(to.get())) same->f = f;
+        else to = std::make_unique<Around>(f);
     }
     Account account() override {
         auto const& guard = detail::guard_of(f);
@@ -295,7 +292,7 @@ struct AnyAdaptive<T>::Around final : Interface {
     }
     /// flatten: the update inlined, as where a type is used; half of what the call costs at 4 parameters.
     [[gnu::flatten]] Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
-    Step<T> process(Rows const& psi, View const& y) override {
+    Step<T> process(Rows const& psi, View const& y) {
         if constexpr (TakesBlocks<F> || TakesRowsAtOnce<F>) return rlslab::process(f, psi, y);
         Step<T> last{undefined<T>(), undefined<T>(), undefined<RealOf<T>>()};
         for (Index k = 0; k < y.size(); ++k) {
@@ -316,30 +313,26 @@ struct AnyAdaptive<T>::Around final : Interface {
     Step<T> commit(Innovation<T> const& row, Regressor<T> psi, T const& y) override {
         return detail::commit(f, row, psi, y);
     }
-    View theta() const override {
-        if constexpr (views_theta) {
-            return f.theta();
-        } else {
-            detail::theta_of(f, theta_);
-            return theta_.view();
+    View view(Part part) const override {
+        if (part == Part::theta) {
+            if constexpr (views_theta) return f.theta();
+            else return detail::theta_of(f, theta_), theta_.view();
         }
+        if constexpr (views_gain) return f.gain();
+        else return detail::gain_of(f, gain_), gain_.view();
     }
-    View gain() const override {
-        if constexpr (views_gain) {
-            return f.gain();
-        } else {
-            detail::gain_of(f, gain_);
-            return gain_.view();
-        }
+    Stored<T> stored(bool whole) const override {
+        return whole ? Stored<T>{{}, {}, detail::reported_matrix(f)} : f.stored();
     }
-    Stored<T> stored() const override { return f.stored(); }
-    Matrix<T> matrix() const override { return detail::reported_matrix(f); }
     Outcome act(Verb verb, [[maybe_unused]] Arguments const& with) override {
+        if (verb == Verb::rows)
+            return {.step = process({with.psi.data(), with.psi.size(), with.i, Eigen::OuterStride<>(with.j)},
+                                    {with.y, with.i})};
         if (verb == Verb::pass_time) return {.step = detail::pass_time(f, *with.scratch)};
         if constexpr (requires { f.certificate(); })
             if (verb == Verb::certify) return *with.found = f.certificate(), Outcome{};
         if constexpr (Certifiable<F>)
-            if (verb == Verb::multiply) return (*with.times)(f.form()), Outcome{};
+            if (verb == Verb::times) return (*with.times)(f.form()), Outcome{};
         if constexpr (TimeUpdates<F>) {
             if (verb == Verb::set_forgetting) return set_forgetting(f, *with.x), Outcome{};
             if (verb == Verb::discount) return discount(f, *with.x), Outcome{};

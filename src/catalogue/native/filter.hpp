@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace rlslab::native {
@@ -153,16 +154,18 @@ public:
     Index filters() const { return filters_; }  ///< M
     std::string_view variant() const { return variant_; }
     std::string_view arithmetic() const { return arithmetic_; }
+    using Numbers = std::variant<double const*, float const*>;
     /// A row for each filter: psi is M x d, filter m's row contiguous; y has M numbers. A row with a number that is not
     /// finite is missing: its filter stays as it was. Returns how many were missing. Numbers of the other arithmetic
-    /// are rounded once.
-    virtual Index update(double const* psi, double const* y) = 0;
-    virtual Index update(float const* psi, float const* y) = 0;
-    virtual void theta(Index filter, double* out) const = 0;
-    virtual std::int32_t health(Index filter) const = 0;  ///< undetermined, then the worst of its steps
+    /// are rounded once; psi and y are of one.
+    virtual Index update(Numbers psi, Numbers y) = 0;
+    void theta(Index filter, double* out) const { health(filter, out); }
+    /// undetermined, then the worst of its steps; and its theta where asked.
+    virtual std::int32_t health(Index filter, double* theta = nullptr) const = 0;
     virtual void reset(Index filter) = 0;
-    virtual std::size_t state_size() const = 0;
-    virtual void save(std::span<std::byte> to) const = 0;
+    std::size_t state_size() const { return save({}); }
+    /// Returns state_size(); into an empty span it writes nothing.
+    virtual std::size_t save(std::span<std::byte> to) const = 0;
     virtual void load(std::span<std::byte const> from) = 0;
     virtual std::unique_ptr<Fleet> clone() const = 0;
 };

@@ -16,30 +16,29 @@ class FleetOf final : public Fleet {
     Matrix<T> psi_;  // M x d: column i is the regressor i of all filters
     Vector<T> y_;
 
-    template <class X>
-    Index one_each(X const* psi, X const* y) {
-        for (Index m = 0; m < psi_.rows(); ++m) {
-            for (Index i = 0; i < psi_.cols(); ++i) psi_(m, i) = T(psi[m * psi_.cols() + i]);
-            y_[m] = T(y[m]);
-        }
-        return filters_.update(psi_, y_);
-    }
-
 public:
     FleetOf(Index filters, Problem<T> const& problem)
         : Fleet(problem.size, filters, F::name, ArithmeticTraits<T>::name), filters_(filters, problem),
           psi_(filters, problem.size), y_(filters) {}
 
-    Index update(double const* psi, double const* y) override { return one_each(psi, y); }
-    Index update(float const* psi, float const* y) override { return one_each(psi, y); }
-    void theta(Index filter, double* out) const override {
-        Vector<T> const theta = filters_.theta(filter);
-        std::copy(theta.begin(), theta.end(), out);
+    Index update(Numbers psi, Numbers y) override {
+        auto const row_of_each = [&](auto const* rows) {
+            for (Index m = 0; m < psi_.rows(); ++m) {
+                for (Index i = 0; i < psi_.cols(); ++i) psi_(m, i) = T(rows[m * psi_.cols() + i]);
+                y_[m] = T(std::get<decltype(rows)>(y)[m]);
+            }
+        };
+        std::visit(row_of_each, psi);
+        return filters_.update(psi_, y_);
     }
-    std::int32_t health(Index filter) const override { return std::int32_t(filters_.health(filter)); }
+    std::int32_t health(Index filter, double* theta) const override {
+        if (theta) Eigen::Map<Vector<double>>(theta, size()) = filters_.theta(filter).template cast<double>();
+        return std::int32_t(filters_.health(filter));
+    }
     void reset(Index filter) override { filters_.reset(filter); }
-    std::size_t state_size() const override { return rlslab::state_size(filters_); }
-    void save(std::span<std::byte> to) const override { rlslab::save(filters_, to); }
+    std::size_t save(std::span<std::byte> to) const override {
+        return to.empty() ? rlslab::state_size(filters_) : rlslab::save(filters_, to);
+    }
     void load(std::span<std::byte const> from) override {
         if (StateFault const fault = rlslab::load(filters_, from); fault != StateFault::none)
             refuse(refusal_of(fault, from));

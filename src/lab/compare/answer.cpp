@@ -14,9 +14,8 @@ namespace rlslab::compare {
 using namespace report;
 namespace {
 
-/// The arithmetics of the hardware and their names in C++, the shortest first.
-std::vector<std::pair<std::string, std::string>> const hardware{
-    {"float", "float"}, {"double", "double"}, {"extended", "long double"}};
+/// The arithmetics of the hardware, named as in C++, the shortest first.
+constexpr std::string_view hardware[] = {"float", "double"};
 
 Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
     return *std::ranges::find_if(c.results, [&](Result const& x) {
@@ -138,7 +137,7 @@ std::string folded(std::string const& code, size_t width) {
 }
 
 Recommendation const* coded(Comparison const& c) {
-    for (auto const& [name, type] : hardware)
+    for (std::string_view const name : hardware)
         for (Recommendation const& r : c.recommendations)
             if (r.arithmetic == name && !r.variant.empty()) return &r;
     return nullptr;
@@ -151,9 +150,8 @@ std::string code(Comparison const& c) {
 }
 
 std::string code(Comparison const& c, CodedFilter const& filter) {
-    auto const known = std::ranges::find(hardware, filter.arithmetic, &std::pair<std::string, std::string>::first);
-    if (known == hardware.end()) return "";
-    std::string const T = known->second;
+    std::string const& T = filter.arithmetic;
+    if (std::ranges::find(hardware, T) == std::end(hardware)) return "";
     Composition const& composition = c.options.composition;
     std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition);
     std::string const variant = fmt::format("#include <rlslab/variants/{}.hpp>\n", filter.variant);

@@ -17,7 +17,7 @@ Recommendation const* coded(Comparison const& comparison);
 
 /// A filter in C++ on the problem of a comparison.
 struct CodedFilter {
-    std::string variant, arithmetic;  ///< of the hardware: float, double or extended
+    std::string variant, arithmetic;  ///< of the hardware: float or double
     bool guarded = false;
     std::vector<int> exponents = {};  ///< regressor i is taken times 2^exponents[i]; empty: as it is
     int output_exponent = 0;          ///< likewise y

@@ -5,7 +5,7 @@
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/composed_score.hpp"
 #include "src/lab/compare/score.hpp"
-#include "src/lab/compare/exact_sums.hpp"
+#include "src/lab/compare/rounded_problem.hpp"
 #include "src/lab/compare/fast_score.hpp"
 #include "src/lab/compare/predicted.hpp"
 #include "src/lab/compare/probed.hpp"

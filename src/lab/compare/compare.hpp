@@ -4,7 +4,7 @@
 
 #include <rlslab/catalogue/composition.hpp>
 #include "src/lab/report/provenance.hpp"
-#include "src/lab/report/stages.hpp"
+#include "src/lab/report/progress.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
@@ -143,10 +143,11 @@ struct Recommendation {
     bool too_short = false;         ///< none, and a longer arithmetic may have one
     std::vector<Loss> losses = {};  ///< of this variant, the runner-up, and `conventional`: each that was tried, once
     std::string cheapest = {};      ///< of the forms within half a digit that propagate a factor, if it costs less
-    Index exact_rows = 0;  ///< `information` is named because its sums are exact, up to so many rows (exact_sums.hpp)
+    Index exact_rows =
+        0;  ///< `information` is named because its sums are exact, up to so many rows (rounded_problem.hpp)
 };
 
-/// Where the products and sums of the normal equations are exact in an arithmetic (exact_sums.hpp).
+/// Where the products and sums of the normal equations are exact in an arithmetic (rounded_problem.hpp).
 struct ExactSums {
     std::string_view arithmetic;
     Index rows;  ///< up to which they are, for numbers no larger than the record's

@@ -1,10 +1,12 @@
-// The problem as one arithmetic stores it, with its exact solutions along every order of rows that is tried.
+// The problem as one arithmetic stores it, with its exact solutions along every order of rows that is tried; and rows
+// whose products and sums are exact there: the normal equations are then formed without an error.
 #pragma once
 
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <functional>
+#include <optional>
 
 namespace rlslab::compare {
 
@@ -42,5 +44,16 @@ RoundedProblem rounded_problem(Records const& records, Problem<double> const& pr
 
 /// These rows of the record, in this order; all rows where none are named.
 Records in_order(Records const& records, std::vector<Index> const& rows);
+
+/// Column i (y is one more) is whole numbers times 2^(e_i), the largest of them 2^(b_i): a product of two columns is a
+/// whole number times 2^(e_i + e_j), and a sum of N of them is at most N 2^(b_i + b_j). In an arithmetic of p bits it
+/// is exact while
+///
+///   (1)  N max|psi_i| max|psi_j| + [i = j] / P0_ii <= 2^p 2^(e_i + e_j),   likewise with y
+///   (2)  1 / P0_ii is a power of two, not below 2^(e_i + e_i)  or  (1) with it in place of 2^(e_i + e_i)
+///
+/// For lambda = 1, a diagonal P0 and theta0 = 0. Returns the largest such N; nothing where the record has more rows, or
+/// a power of two in it is not normal there.
+std::optional<Index> exact_rows(Records const& stored, Problem<double> const& problem, Arithmetic const& arithmetic);
 
 }  // namespace rlslab::compare

@@ -1,15 +1,16 @@
 // Extended least squares and instrumental variables around ud, over the fitted rows of the equation.
 #include "src/lab/identify/coloured.hpp"
 
-#include "src/lab/identify/noise_limit.hpp"
-
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/core/matrices.hpp>
 #include <rlslab/variants/ud.hpp>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <numbers>
 
@@ -123,6 +124,25 @@ Vector<double> sandwich(Matrix<double> const& x, Signal const& v, Index freedom)
 }
 
 }  // namespace
+
+Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> const& c, Matrix<double> const& P,
+                                double sigma2) {
+    Index const d = phi.rows();
+    Matrix<double> z = phi;
+    for (Index k = 0; k < phi.cols(); ++k)
+        for (Index i = 1; i <= std::min<Index>(k, Index(c.size())); ++i) z.col(k) -= c[size_t(i - 1)] * z.col(k - i);
+    Vector<double> const unit = P.diagonal().cwiseSqrt();
+    Matrix<double> const scaled = unit.cwiseInverse().asDiagonal() * P * unit.cwiseInverse().asDiagonal(),
+                         A = scaled * (unit.asDiagonal() * phi * (z.transpose() * unit.asDiagonal())),
+                         I = Matrix<double>::Identity(d, d), inverse = A.inverse();  // A = M + I/2
+    Matrix<double> F = inverse * (A - I), X = inverse * scaled * inverse.transpose();
+    for (int j = 0; j < 60 && F.squaredNorm() > 1e-40 && F.allFinite(); ++j) {
+        X += (F * X * F.transpose()).eval();
+        F = (F * F).eval();
+    }
+    if (!(F.squaredNorm() <= 1e-40)) return Vector<double>::Constant(d, NAN);
+    return std::sqrt(sigma2) * unit.cwiseProduct(X.diagonal().cwiseSqrt());
+}
 
 void expect_cures(IdentifyOptions const& o, Structure const& structure, Record const& record) {
     auto const expect = [](char const* option, std::string const& obstacle) {

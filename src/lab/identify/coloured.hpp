@@ -12,7 +12,7 @@ void expect_cures(IdentifyOptions const& options, Structure const& structure, Re
 /// --noise-model n: A y = B u + c + C e by ExtendedLeastSquares<Ud<double>> over the fitted rows, a row that misses a
 /// value is passed by. Prior: that of the model, and P0 = 1 / sigma^2 of each c_i, a standard deviation of 1. Its
 /// residuals, sigma^2 and their test are those of the last parameters, e = (A y - B u - c) / C from e = 0 on. sd:
-/// those of the limit (noise_limit.hpp); NaN where |C(e^iw) - 1| reaches 1, where there may be none.
+/// those of limit_deviations; NaN where |C(e^iw) - 1| reaches 1, where there may be none.
 Cured with_noise_model(IdentifyOptions const& options, Structure const& structure, Record const& record,
                        Estimate const& estimate);
 
@@ -22,6 +22,14 @@ Cured with_noise_model(IdentifyOptions const& options, Structure const& structur
 ///   sd_i^2 = sum |tau| <= L of (1 - |tau| / (L + 1)) r_v(tau) sum_k x_ik x_i(k+tau)
 Cured with_instruments(IdentifyOptions const& options, Structure const& structure, Record const& record,
                        Estimate const& estimate);
+
+/// The standard deviations of the limit Sigma / N of docs/theory.md 89, from its rows phi (d x N; 0 where one is
+/// missing), P and sigma^2: with z = phi / C, A = P sum phi z' and M = A - I/2
+///   M X + X M' = sigma^2 P,        sd_i = sqrt(X_ii)
+/// by doubling, with F = A^-1 (A - I) and in units of sqrt P_ii:  X = F X F' + A^-1 sigma^2 P A^-T
+/// NaN where M has an eigenvalue with a real part of 0 or less: there is no such limit. C must be stable.
+Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> const& c, Matrix<double> const& P,
+                                double sigma2);
 
 /// max |C(e^iw) - 1| over w: exact for n <= 2, else on 64 n frequencies.
 double farthest_from_one(std::vector<double> const& c);

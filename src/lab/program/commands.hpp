@@ -3,7 +3,6 @@
 
 #include "src/lab/report/progress.hpp"
 #include "src/lab/report/provenance.hpp"
-#include "src/lab/report/stages.hpp"
 
 #include <rlslab/input/formats/open.hpp>
 

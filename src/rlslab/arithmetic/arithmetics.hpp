@@ -11,28 +11,19 @@
 
 namespace rlslab {
 
-namespace detail {
-// One a line: CMake reads them here. Extended... is long double or nothing.
+// One a line: CMake reads them here.
 // clang-format off
-template <class... Extended>
-using ArithmeticsWith = std::tuple<
+using Arithmetics = std::tuple<
     Chopped<bfloat16>,
     Chopped<bfloat16, Rounding::stochastic>,
     Chopped<binary16>,
     Chopped<binary16, Rounding::stochastic>,
     float,
     double,
-    Extended...,
     Quad,
     Reference
 >;
 // clang-format on
-}  // namespace detail
-
-/// long double is in the list where it is x87's. Elsewhere it is one of the other arithmetics, or one that does not
-/// round once.
-using Arithmetics = std::conditional_t<std::numeric_limits<long double>::digits == 64,
-                                       detail::ArithmeticsWith<long double>, detail::ArithmeticsWith<>>;
 
 /// The place behind the list: VariablePrecision, whose length is set at run time.
 inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;
