@@ -18,8 +18,8 @@ namespace rlslab::compare {
 ///                   lambda or Joseph's |I - K psi'| |P_(j-1)| |I - K psi'|' / lambda, and P_k M_j e_l behind it
 ///
 /// F is upper triangular; of `qr` and `gentleman` R, R'R = M_j, is rounded, and of `potter` its own root. c is in
-/// predicted.cpp, fitted to 216 other problems. A prediction is the median over a quarter of the checkpoints from row
-/// 2 d on, for the problem as stored; of the rows long ago some stand for all.
+/// predicted.cpp, fitted to about 380 other problems than docs/compare.md names. A prediction is the median over a
+/// quarter of the checkpoints from row 2 d on, for the problem as stored; of the rows long ago some stand for all.
 struct PowerLaw {
     struct Sizes {
         double triangle, information, root, difference, joseph, bias;  ///< over u and ||P_k||; the last over eps
