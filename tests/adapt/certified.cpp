@@ -131,6 +131,8 @@ void follow() {
     set_forgetting(f, 0.96875F), set_forgetting(alone, 0.96875F);
     check(", a reset"), take(30), check(", rows after it");
 }
+static_assert(Certifiable<Ud<float>> && !Certifiable<Guarded<Ud<float>>> && !Certifiable<Windowed<Ud<float>>>);
+
 TEST(Certificate, IsThatOfTheErrorWhateverWasDone) {
     each_form<float>([]<class F>(F*) { follow<F>(); });
 }

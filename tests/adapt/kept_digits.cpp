@@ -52,6 +52,19 @@ TEST(GuardedDigits, RaiseNoFalseAlarmInAMillionRows) {
     EXPECT_LE(largest_bound(f, 1000000, 100, nothing), 1e-4);
     EXPECT_EQ(f.counts().breakdowns, 0);
 }
+/// The rows of docs/certificate.md, without its damage: D of the constant regressor comes to rest, and drifts.
+TEST(GuardedDigits, OfAConstantRegressorAreThreeInFloat) {
+    for (std::uint64_t run = 2; run < 22; ++run)
+        for (int digits : {3, 4}) {
+            Guarded<Certified<Ud<float, 3>>, reporting> f({.forgetting = 0.99F}, {.digits = {digits, 100}});
+            Seed seed{run};
+            for (int k = 0; k < 3000; ++k) {
+                float const x[] = {1, float(seed.bell()), float(seed.bell())};
+                f.update(x, 2 + x[1] - x[2] + 0.1F * float(seed.bell()));
+            }
+            EXPECT_EQ(f.counts().breakdowns > 0, digits == 4) << run;
+        }
+}
 TEST(GuardedDigits, AreBackAfterAnErrorOfP) {
     Guarded<Windowed<Certified<Ud<float>>>, rebuilding> windowed(
         Windowed<Certified<Ud<float>>>({.size = 5}, {.rows = 300}), {.size = 5}, {.digits = 4});

@@ -81,7 +81,7 @@ class Filter(_core.Filter):
         A rule of `rlslab.controls()` that sets lambda, or changes P, at each row; with numbers of its own as
         ("fortescue", 0.1, 50), None among them for a default.
     certify : int
-        Random probes, 1 to 6, that follow every row in float64; 3 where in doubt, 0: none. `certificate` then shows how
+        Random probes, 1 to 6, that follow every row in float64; True: 3; 0: none. `certificate` then shows how
         many digits of P and theta are left. The filter's bits stay. Not of `kalman`, `extended_qr` and `qr_block`.
     digits : int
         Of P, that the guard asks of the probes: a bound above 10^-digits at every 100th row is a breakdown, about which
@@ -254,13 +254,13 @@ class Filter(_core.Filter):
         parameter, x_i the probes and m_i = P^-1 x_i::
 
             m_i = forgetting m_i + psi (psi'x_i) at each row       r_i = Phat m_i - x_i = E x_i
-            estimate^2 = sum |r_i|^2 / s                           bound = 10 max |r_i| + u
+            estimate^2 = sum |r_i|^2 / s                           bound = 10 (max |r_i| + u sqrt(d))
 
         Returns
         -------
         Certificate
             ``estimate`` of ||E||_F, within a factor of 2 in 85 % where 3 probes meet an E of rank one; ``bound``, above
-            ||E||_F but with probability 0.08^s; ``theta``, above |thetahat - theta| / |thetahat| wherever ``bound``
+            ||E||_F except with probability 0.08^s; ``theta``, above |thetahat - theta| / |thetahat| wherever ``bound``
             is above ||E||_F; ``definite``, bound < 1, which proves a symmetric Phat positive definite. Infinite where
             nothing is known: without a prior before the rows determine theta, and from a rule on that adds to P.
 
@@ -272,7 +272,7 @@ class Filter(_core.Filter):
         Notes
         -----
         The probes' own rounding, of about 1e-16 times the condition number of P, is part of what they show. A row costs
-        3 d (s + 1) multiplications more, and `certificate` s + 1 products with P.
+        2 d (s + 1) multiplications more, and `certificate` s + 1 products with P; in float64 a few more.
 
         Examples
         --------

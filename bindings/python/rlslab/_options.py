@@ -171,7 +171,7 @@ def arguments(
         of_guard,
         memory,
         rebuild,
-        whole(certify, "certify"),
+        whole(certify, "certify") if certify is not True else 3,
         whole(digits, "digits"),
         M,
     )

@@ -7,12 +7,13 @@
 
 namespace rlslab {
 
-/// Has a P that a probe can be multiplied by, and a lambda.
+/// Has a P that a probe can be multiplied by, and a lambda; and is around no filter, which could keep rows from it.
 template <class F>
-concept Certifiable = NamesItsForm<F> && requires(F& f, detail::CovarianceTimes<std::span<StateVector<double>>> times) {
-    times(f.form());
-    detail::forgetting_of(f.form());
-};
+concept Certifiable = NamesItsForm<F> && !requires(F const& f) { f.filter(); } &&
+                      requires(F& f, detail::CovarianceTimes<std::span<StateVector<double>>> times) {
+                          times(f.form());
+                          detail::forgetting_of(f.form());
+                      };
 
 /// What a check found; of packs in each lane. In the unit of each parameter, which is 2^round(log2 sqrt(P_jj)) of P0,
 /// or 1 without a prior. With E = Phat P^-1 - I, Phat what the filter stores and P that of exact arithmetic:
@@ -50,7 +51,7 @@ struct Certificate {
 ///             the certificate is of the rows that F holds. Ends: a rule that adds to P (Kulhavy, CaoSchwartz, random
 ///             walk); bound and theta are infinite until the next reset. What writes into P otherwise is an error that
 ///             is seen
-/// Compose     innermost: Guarded<Windowed<Certified<Ud<float>>>>
+/// Compose     innermost: Guarded<Windowed<Certified<Ud<float>>>>; the other way round does not compile
 /// F's bits are as without probes. Cost of a row 2 d (s + 1) multiplications, of a check 2 (s + 1) passes over what is
 /// stored; memory 3 d (s + 1) numbers of L. With (6) 2 d more, twice the passes, 3 d more. Allocates when it is made,
 /// and never again (F allowing).
