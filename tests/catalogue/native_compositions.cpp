@@ -117,8 +117,14 @@ TYPED_TEST(NativeCompositions, Probes) {
     using C = Certified<Ud<T>, 2>;
     expect_alike(Guarded<Windowed<C>, rebuilding>(Windowed<C>(p, {.rows = 20}), p),
                  {.forgetting = 0.98, .window = 20, .guard = "rebuild", .certify = 2});
-    expect_alike(Guarded<C, rebuilding>(p, {.digits = 6}),
-                 {.forgetting = 0.98, .guard = "rebuild", .certify = 2, .digits = 6});
+    TypedAs asked(Guarded<C, rebuilding>(p, {.digits = 6}));  // which is not in a state
+    auto const by_name = made<T>("ud", {.forgetting = 0.98, .guard = "rebuild", .certify = 2, .digits = 6});
+    for (Index k = 0; k < records().rows(); ++k) {
+        by_name->update(records().psi.col(k).data(), records().y[k]);
+        asked.update(records().psi.col(k), records().y[k]);
+    }
+    EXPECT_EQ(saved(*by_name), asked.saved());
+    EXPECT_EQ(by_name->counts().breakdowns > 0, (std::same_as<T, float>));
     static double const fortescue[] = {0.02, 50, 0.25};
     expect_alike(
         Forgetting<C, Fortescue<T>>(problem<T>(1), {.noise_variance = T(0.02), .memory = T(50), .least = T(0.25)}),
