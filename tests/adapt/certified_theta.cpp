@@ -38,17 +38,25 @@ struct Rows {
     }
 };
 
-/// The error of theta over its bound, the largest of all forms; both after 20, 100 and 400 rows.
-double largest_share(Rows rows, double lambda, double theta0) {
+/// The error of theta over its bound, the largest of all forms; both after 20, 100 and 400 rows. P0 is 2^14 times
+/// 1 on the diagonal and rho beside it.
+double largest_share(Rows rows, double lambda, double theta0, double rho = 0) {
     Index const d = rows.d;
     Problem<double> p{.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 0x1p14}};
     p.prior->theta = Vector<double>::Constant(d, theta0);
+    if (rho > 0) {
+        p.prior->covariance = Matrix<double>::Constant(d, d, 0x1p14 * rho);
+        p.prior->covariance->diagonal().setConstant(0x1p14);
+    }
     std::tuple all{Certified<Ud<double>>(p),          Certified<UdDelta<double>>(p), Certified<Carlson<double>>(p),
                    Certified<InverseQr<double>>(p),   Certified<Potter<double>>(p),  Certified<Joseph<double>>(p),
                    Certified<Information<double>>(p), Certified<Qr<double>>(p),      Certified<Gentleman<double>>(p),
                    Certified<Conventional<double>>(p)};
-    Matrix<R> X = Matrix<R>::Identity(d, d) / R(0x1p14);
-    Vector<R> z = Vector<R>::Constant(d, R(theta0) / R(0x1p14));
+    R const beside = R(rho) / R(R(1) + R(double(d - 1)) * R(rho));  // P0^-1 in closed form
+    Matrix<R> X = (Matrix<R>::Identity(d, d) - Matrix<R>::Constant(d, d, beside)) / R(R(0x1p14) * R(1 - rho));
+    Vector<R> z = Vector<R>::Constant(d, R(0));
+    for (Index j = 0; j < d; ++j)
+        for (Index i = 0; i < d; ++i) z[i] += X(i, j) * R(theta0);
     double most = 0;
     for (int k = 1; k <= 400; ++k) {
         rows.next();
@@ -82,6 +90,18 @@ TEST(CertifiedTheta, IsAboveItsErrorInTheFiltersOwnWord) {
                                                 kind == 2 ? 1e6 : 0),
                                   1)
                             << lambda << " " << residual << " " << d << " " << spread << " " << kind;
+}
+/// A full P0 whose factor cancels: the start of the probes is not the filter's, with its rounding.
+TEST(CertifiedTheta, IsAboveItsErrorFromAFullPrior) {
+    std::uint64_t seed = 1000;
+    for (double const lambda : {1.0, 0.98046875, 0.9})
+        for (double const residual : {0.1, 1e3, 1e8})
+            for (Index const d : {2, 5})
+                for (int const bits : {10, 20, 27})
+                    EXPECT_LE(largest_share({Seed{++seed}, d, residual, 1, false, false}, lambda, 0,
+                                            1 - std::ldexp(1.0, -bits)),
+                              1)
+                        << lambda << " " << residual << " " << d << " " << bits;
 }
 /// It does not grow with the rows where lambda = 1: sums of 32 rows are added without an error.
 TEST(CertifiedTheta, StaysTightOverManyRows) {

@@ -38,14 +38,19 @@ struct Share {
     Index row;
     double rows;
 };
-/// All of the first 4 d, then fewer the longer ago they are.
-std::vector<Share> rows_before(Index k, Index d) {
+/// All of the first 4 d and the `bright`, in ascending order, then fewer the longer ago they are.
+std::vector<Share> rows_before(Index k, Index d, std::vector<Index> const& bright) {
     std::vector<Share> out;
     Index const dense = std::min(k, 4 * d);
     constexpr int of_a_length = 6;
     for (Index j = k, n = 0, length = 1; j > dense;) {
         Index const taken = std::min(length, j - dense);
-        out.push_back({j - taken / 2, double(taken)});
+        auto const first = std::ranges::upper_bound(bright, j - taken), last = std::ranges::upper_bound(bright, j);
+        for (auto one = first; one != last; ++one) out.push_back({*one, 1});
+        Index row = j - taken / 2;
+        for (auto one = last; one != first && row > j - taken;) row -= *--one == row;
+        if (Index const others = taken - (last - first); others > 0 && row > j - taken)
+            out.push_back({row, double(others)});
         j -= taken;
         if (++n % of_a_length == 0) length *= 2;
     }
@@ -62,47 +67,82 @@ std::vector<Index> looked_at(Index rows, Index d) {
 }
 
 constexpr double least = 0x1p-1000;
-/// The rows that the checkpoints need.
-std::map<Index, Row> rows_of(RoundedProblem const& rounded, std::vector<Index> const& checkpoints) {
-    Index const d = rounded.problem.size;
-    std::map<Index, Row> out;
-    for (Index const k : checkpoints) {
-        out[k];
-        for (Share const& one : rows_before(k, d)) out[one.row];
+/// S of P = S S' before a row and after it.
+struct Root {
+    Square S;
+    double lambda, root;
+    /// gamma.
+    double take(Column const& psi) {
+        Column const phi = S.transpose() * psi;
+        double const s = lambda + phi.squaredNorm();
+        Column const f = S * phi / (s + std::sqrt(lambda * s));
+        S = (S - f * phi.transpose()) / root;
+        return lambda / s;
     }
+};
+/// Rows behind the first 4 d whose gamma is below a quarter of the median, 2 d at most, the smallest: they change P more
+/// than rows around them, which stand for one another.
+std::vector<Index> bright_rows(Root root, Matrix<double> const& psi, double unit, Index rows) {
+    Index const d = psi.rows();
+    std::vector<std::pair<double, Index>> gammas;
+    for (Index k = 1; k <= rows; ++k) {
+        double const gamma = root.take(unit * psi.col(k - 1));
+        if (k > 4 * d) gammas.emplace_back(gamma, k);
+    }
+    std::ranges::sort(gammas);
+    std::vector<Index> out;
+    for (auto const& [gamma, k] : gammas)
+        if (Index(out.size()) < 2 * d && gamma < gammas[gammas.size() / 2].first / 4) out.push_back(k);
+    std::ranges::sort(out);
+    return out;
+}
+/// The rows that the checkpoints need, by number, and which are bright.
+struct Rows {
+    std::map<Index, Row> at;
+    std::vector<Index> bright;
+};
+Rows rows_of(RoundedProblem const& rounded, std::vector<Index> const& checkpoints) {
+    Index const d = rounded.problem.size;
+    Rows rows;
+    auto& out = rows.at;
     Prior<double> const& prior = *rounded.problem.prior;
     // Digits have no unit; in one where the largest number is near 1 squares are in range.
     double const unit = std::ldexp(1.0, -std::ilogb(std::max(least, rounded.records.psi.cwiseAbs().maxCoeff())));
     Column const P0 =
         (prior.covariance ? Column(prior.covariance->diagonal()) : Column::Constant(d, prior.variance)) / unit / unit;
     double const lambda = rounded.problem.forgetting, root = std::sqrt(lambda);
-    Square S = P0.cwiseSqrt().asDiagonal(), R = P0.cwiseSqrt().cwiseInverse().asDiagonal();
+    Root of_P{P0.cwiseSqrt().asDiagonal(), lambda, root};
+    Square R = P0.cwiseSqrt().cwiseInverse().asDiagonal();
+    rows.bright = bright_rows(of_P, rounded.records.psi, unit, checkpoints.front());
+    for (Index const k : checkpoints) {
+        out[k];
+        for (Share const& one : rows_before(k, d, rows.bright)) out[one.row];
+    }
     for (Index k = 1; k <= checkpoints.front(); ++k) {
-        Column const psi = unit * rounded.records.psi.col(k - 1), phi = S.transpose() * psi;
+        Column const psi = unit * rounded.records.psi.col(k - 1);
         auto const kept = out.find(k);
-        if (kept != out.end()) kept->second.S_before = S, kept->second.before = S * S.transpose() / lambda;
-        double const s = lambda + phi.squaredNorm();
-        Column const f = S * phi / (s + std::sqrt(lambda * s));
-        S = (S - f * phi.transpose()) / root;
+        if (kept != out.end())
+            kept->second.S_before = of_P.S, kept->second.before = of_P.S * of_P.S.transpose() / lambda;
+        of_P.take(psi);
         fold(R, psi, root);
         if (kept == out.end()) continue;
         Row& row = kept->second;
-        row.R = R, row.S = S, row.psi = psi;
+        row.R = R, row.S = of_P.S, row.psi = psi;
         row.F = R.triangularView<Eigen::Upper>().solve(Square::Identity(d, d));
     }
-    return out;
+    return rows;
 }
 
 Column lengths(Square const& X) { return X.colwise().squaredNorm().transpose(); }
 /// sum_il x_i E_il^2 y_l.
 double weighed(Column const& x, Square const& E, Column const& y) { return x.dot(E.cwiseAbs2() * y); }
 
-PowerLaw::Sizes sizes_at(std::map<Index, Row> const& rows, Index k, double lambda) {
-    Square const &F_k = rows.at(k).F, P = F_k * F_k.transpose();
+PowerLaw::Sizes sizes_at(Rows const& rows, Index k, double lambda) {
+    Square const &F_k = rows.at.at(k).F, P = F_k * F_k.transpose();
     PowerLaw::Sizes out{};
     Square bias = Square::Zero(P.rows(), P.cols());
-    for (auto const [j, count] : rows_before(k, P.rows())) {
-        Row const& row = rows.at(j);
+    for (auto const [j, count] : rows_before(k, P.rows(), rows.bright)) {
+        Row const& row = rows.at.at(j);
         double const left = correctly::pow(lambda, double(k - j)), share = count * left * left;
         Square const carried = P * row.R.transpose(), T = carried * row.R;
         Column const of_entry = lengths(T);
@@ -158,7 +198,7 @@ constexpr Form forms[] = {{"ud", triangle, twice},
 
 PowerLaw power_law(RoundedProblem const& rounded) {
     std::vector<Index> const checkpoints = looked_at(rounded.records.rows(), rounded.problem.size);
-    std::map<Index, Row> const rows = rows_of(rounded, checkpoints);
+    Rows const rows = rows_of(rounded, checkpoints);
     PowerLaw out;
     for (Index const k : checkpoints) out.at.push_back(sizes_at(rows, k, rounded.problem.forgetting));
     return out;

@@ -288,14 +288,16 @@ std::string start_cost_text(Comparison const& c) {
                                cost.arithmetic, cost.loss, cost.digits,
                                cost.best_c2 ? fmt::format(" (best c^2 {:.1g})", *cost.best_c2) : "");
         }
-    return out.empty() ? ""
-                       : fmt::format(
-                             "the first rows excite so little that with this prior theta is far off at first: forms "
-                             "that correct theta row by row keep the roundings of that, {}; qr and gentleman do not{}",
-                             out,
-                             smaller ? "; c is how many deviations of the noise a parameter may be in units of its "
-                                       "regressor (docs/theory.md 130)"
-                                     : "");
+    return out.empty()
+               ? ""
+               : fmt::format(
+                     "the first rows excite so little that with this prior theta is far off at first: forms "
+                     "that correct theta row by row keep the roundings of that, {}; qr and gentleman do not{}",
+                     out,
+                     !smaller       ? ""
+                     : c.options.p0 ? ". A prior of c^2 says that no parameter exceeds c deviations of the noise"
+                                    : ". A prior of c^2 says that no parameter times its regressor's size "
+                                      "exceeds c deviations of the noise");
 }
 
 std::string prior_cost_text(Comparison const& c) {

@@ -3,6 +3,7 @@
 
 #include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/probes.hpp>
+#include <rlslab/arithmetic/pair.hpp>
 #include <rlslab/core/random.hpp>
 
 namespace rlslab {
@@ -84,34 +85,20 @@ public:
     Certified(F const& filter, Problem<T> const& problem, Seed seed = {1})
         : detail::AroundFilter<F>(filter), probes_(filter.theta().size()), unit_(filter.theta().size()),
           m_(detail::probe_vectors<Vectors>(unit_.size())), t_(4 * unit_.size()), theta_(unit_.size()) {
-        Index const d = unit_.size();
-        Problem<L> exact = problem.template mapped<L>([](T const& x) { return detail::widened<L>(x); });
-        exact.size = d;
-        StateMatrix<L, N> A(d);
-        StateVector<L, N> D(d);
-        start_information(checked(exact), A, D);
-        for (Index j = 0; j < d; ++j) {
+        for (Index j = 0; j < unit_.size(); ++j) {
             unit_[j] = L(1);
             if (problem.prior)
                 unit_[j] = detail::power_of_two_near(square_root(detail::widened<L>(variance(filter_, j))));
             for (Index i = 0; i < probes; ++i) detail::number_of(probes_.x, i, j) = unit_[j] * L(seed.bell());
         }
-        auto const theta = start_theta<L, N>(exact);
-        for (Index i = 0; i <= probes; ++i) {  // (2): X0 = A D A'
-            auto const from = [&](Index j) { return i < probes ? detail::number_of(probes_.x, i, j) : theta[j]; };
-            for (Index j = 0; j < d; ++j) {
-                L along = from(j);
-                for (Index k = j + 1; k < d; ++k) along += A(k, j) * from(k);
-                along *= D[j];
-                for (Index k = j; k < d; ++k) {
-                    L const a = k == j ? L(1) : L(A(k, j));
-                    detail::number_of(probes_.m, i, k) += a * along;
-                    if constexpr (bounds_z)
-                        if (i == probes) probes_.older.X[k] += a * a * D[j];
-                }
-            }
+        if constexpr (requires { L::lanes; }) {
+            for (int lane = 0; lane < L::lanes; ++lane)
+                begin<Pair>(problem.template mapped<Pair>([&](T const& x) { return Pair(double(x[lane])); }), lane);
+        } else {
+            using Word = std::conditional_t<std::same_as<L, double>, Pair, L>;
+            begin<Word>(problem.template mapped<Word>([](T const& x) { return Word(detail::widened<L>(x)); }), 0);
         }
-        if constexpr (bounds_z) probes_.older.begin([&](Index j) { return theta[j]; });
+        if constexpr (bounds_z) probes_.older.begin([&](Index j) { return t_[j]; });  // theta
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -187,6 +174,39 @@ public:
     Certificate<L> certificate() const { return Certified(*this).certificate(); }
 
 private:
+    /// (2): X0 = A D A', of double's probes in pairs: the start of F, whose rounding P0 multiplies, is part of E.
+    template <class Word>
+    void begin(Problem<Word> exact, int lane) {
+        auto const get = [lane](auto const& x) {
+            if constexpr (requires { L::lanes; }) return Word(double(x[lane]));
+            else return Word(x);
+        };
+        auto const add = [lane](L& sum, Word const& x) {
+            if constexpr (requires { L::lanes; }) sum.set(lane, sum[lane] + double(x));
+            else sum += static_cast<L>(x);
+        };
+        Index const d = exact.size = unit_.size();
+        StateMatrix<Word, N> A(d);
+        StateVector<Word, N> D(d), m(d);
+        start_information(checked(exact), A, D);
+        auto const theta = start_theta<Word, N>(exact);
+        for (Index i = 0; i <= probes; ++i) {
+            auto const from = [&](Index j) { return i < probes ? get(detail::number_of(probes_.x, i, j)) : theta[j]; };
+            for (Index j = 0; j < d; ++j) m[j] = Word(0);
+            for (Index j = 0; j < d; ++j) {
+                Word along = from(j);
+                for (Index k = j + 1; k < d; ++k) along += A(k, j) * from(k);
+                along *= D[j];
+                m[j] += along;
+                for (Index k = j + 1; k < d; ++k) m[k] += A(k, j) * along;
+            }
+            for (Index j = 0; j < d; ++j) add(detail::number_of(probes_.m, i, j), m[j]);
+        }
+        for (Index j = 0; j < d; ++j) add(t_[j], theta[j]);
+        if constexpr (bounds_z)
+            for (Index j = 0; j < d; ++j)
+                for (Index k = j; k < d; ++k) add(probes_.older.X[k], k == j ? D[j] : Word(A(k, j) * A(k, j) * D[j]));
+    }
     /// The larger one; NaN if one is.
     static L worst_of(L const& a, L const& b) { return select(a <= b || b != b, b, a); }
     void take(Regressor<T> psi, T const& y) {

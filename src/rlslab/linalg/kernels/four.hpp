@@ -88,14 +88,14 @@ struct ByFour {
     }
     /// x_i += w psi_i^2: numbers one by one, not vectors.
     static void squares(L const* psi, Index d, L const& w, L* x) {
-        Index j = 0;
-        for (; j + 4 <= d; j += 4) {
+        Index const whole = d - d % 4;
+        for (Index j = 0; j < whole; j += 4) {
             Four<L> sum, row;
             sum.load(x + j), row.load(psi + j);
             sum.add_square(w, row);
             sum.store(x + j);
         }
-        for (; j < d; ++j) x[j] += w * psi[j] * psi[j];
+        for (Index j = whole; j < d; ++j) x[j] += w * psi[j] * psi[j];
     }
     /// v = A v; `copy` is workspace.
     template <class A>
