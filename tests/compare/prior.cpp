@@ -259,6 +259,27 @@ TEST(PowerLaw, IsForFormsAndWordsThatItIsTrueOf) {
     }
     EXPECT_GT(last, 10);
 }
+/// The rows in which the scale jumps make nearly all of the error of a stored P.
+TEST(PowerLaw, KnowsTheRowsInWhichTheScaleJumps) {
+    for (Index const jump : {140, 200}) {
+        Records r = rows_near_a_plane(0, Seed{9}, 400);
+        r.psi.rightCols(400 - jump) *= 1000;
+        Comparison const c = compare::compare(r, {.variants = {"symmetric", "joseph", "joseph_rank_two", "ud"},
+                                                  .arithmetics = {"float", "double"},
+                                                  .timings = false});
+        int judged = 0;
+        for (Result const& one : c.results) {
+            if (!one.predicted || !one.spread) continue;
+            ++judged;
+            double const more = one.spread->covariance.median - one.predicted->digits;
+            EXPECT_GE(more, one.predicted->at_least ? 0 : -0.5) << one.entry->variant << jump;
+            if (!one.predicted->at_least) {
+                EXPECT_LE(more, 0.5) << jump;
+            }
+        }
+        EXPECT_EQ(judged, 8);
+    }
+}
 
 }  // namespace
 }  // namespace rlslab

@@ -47,8 +47,9 @@ TEST(Readme, TheTablesOfVariantsAreMeasured) {
     std::set<std::string_view> seen;
     for (CatalogueEntry const& entry : catalogue())
         if (seen.insert(entry.variant).second) {
-            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in a table of README the row\n"
-                                                                               << short_row(entry);
+            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos)
+                << "expected in a table of README the row\n"
+                << short_row(entry);
             EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos)
                 << "expected in docs/compare.md the row\n"
                 << long_row(entry);

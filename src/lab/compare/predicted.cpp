@@ -80,8 +80,8 @@ struct Root {
         return lambda / s;
     }
 };
-/// Rows behind the first 4 d whose gamma is below a quarter of the median, 2 d at most, the smallest: they change P more
-/// than rows around them, which stand for one another.
+/// Rows behind the first 4 d whose gamma is below a quarter of the median, 2 d at most, the smallest: they change P
+/// more than rows around them, which stand for one another.
 std::vector<Index> bright_rows(Root root, Matrix<double> const& psi, double unit, Index rows) {
     Index const d = psi.rows();
     std::vector<std::pair<double, Index>> gammas;
