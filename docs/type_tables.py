@@ -48,7 +48,7 @@ sections = [
 left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords LaneRows LaneRecord RowsFromTo MpiRanks Encoding FilterEach SharedFilter
-OfOneRegressor NoProbes ProbeOf Probes ProbedForm CovarianceTimes
+OfOneRegressor NoProbes ProbeOf Probes OlderZ ProbedForm CovarianceTimes
 """.split()
 
 
