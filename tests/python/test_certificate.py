@@ -37,6 +37,10 @@ def test_it_shows_the_error_of_p():
     assert near >= 3
 
 
+def test_true_is_three_probes():
+    assert rlslab.Ud(2, certify=True).state == rlslab.Ud(2, certify=3).state != rlslab.Ud(2, certify=1).state
+
+
 def test_the_filters_bits_are_as_without():
     Psi, y = rows(50, 3)
     for dtype in ("float32", "float64"):
