@@ -2,6 +2,8 @@
 #include "src/lab/compare/predicted.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/variants/potter.hpp>
+#include <rlslab/variants/qr.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -17,21 +19,6 @@ struct Row {
     Square R, F, S, S_before, before;  // R'R = M_j, F = R^-1, S of Potter's
     Column psi;
 };
-
-/// The row folded into R, R'R = M, by rotations.
-void fold(Square& R, Column psi, double root_lambda) {
-    R *= root_lambda;
-    for (Index j = 0; j < psi.size(); ++j) {
-        double const length = std::sqrt(R(j, j) * R(j, j) + psi[j] * psi[j]);
-        if (psi[j] == 0) continue;
-        double const c = R(j, j) / length, s = psi[j] / length;
-        for (Index l = j; l < psi.size(); ++l) {
-            double const of_row = R(j, l);
-            R(j, l) = c * of_row + s * psi[l];
-            psi[l] = c * psi[l] - s * of_row;
-        }
-    }
-}
 
 /// Row j and the rows that it stands for.
 struct Share {
@@ -67,26 +54,13 @@ std::vector<Index> looked_at(Index rows, Index d) {
 }
 
 constexpr double least = 0x1p-1000;
-/// S of P = S S' before a row and after it.
-struct Root {
-    Square S;
-    double lambda, root;
-    /// gamma.
-    double take(Column const& psi) {
-        Column const phi = S.transpose() * psi;
-        double const s = lambda + phi.squaredNorm();
-        Column const f = S * phi / (s + std::sqrt(lambda * s));
-        S = (S - f * phi.transpose()) / root;
-        return lambda / s;
-    }
-};
 /// Rows behind the first 4 d whose gamma is below a quarter of the median, 2 d at most, the smallest: they change P
 /// more than rows around them, which stand for one another.
-std::vector<Index> bright_rows(Root root, Matrix<double> const& psi, double unit, Index rows) {
+std::vector<Index> bright_rows(Potter<double> root, Matrix<double> const& psi, double unit, Index rows) {
     Index const d = psi.rows();
     std::vector<std::pair<double, Index>> gammas;
     for (Index k = 1; k <= rows; ++k) {
-        double const gamma = root.take(unit * psi.col(k - 1));
+        double const gamma = root.update(Column(unit * psi.col(k - 1)), 0).gamma;
         if (k > 4 * d) gammas.emplace_back(gamma, k);
     }
     std::ranges::sort(gammas);
@@ -110,9 +84,11 @@ Rows rows_of(RoundedProblem const& rounded, std::vector<Index> const& checkpoint
     double const unit = std::ldexp(1.0, -std::ilogb(std::max(least, rounded.records.psi.cwiseAbs().maxCoeff())));
     Column const P0 =
         (prior.covariance ? Column(prior.covariance->diagonal()) : Column::Constant(d, prior.variance)) / unit / unit;
-    double const lambda = rounded.problem.forgetting, root = std::sqrt(lambda);
-    Root of_P{P0.cwiseSqrt().asDiagonal(), lambda, root};
-    Square R = P0.cwiseSqrt().cwiseInverse().asDiagonal();
+    double const lambda = rounded.problem.forgetting;
+    Problem<double> const in_unit{
+        .size = d, .forgetting = lambda, .prior = Prior<double>{.covariance = P0.asDiagonal()}};
+    Potter<double> of_P(in_unit);
+    Qr<double> of_M(in_unit);
     rows.bright = bright_rows(of_P, rounded.records.psi, unit, checkpoints.front());
     for (Index const k : checkpoints) {
         out[k];
@@ -121,14 +97,16 @@ Rows rows_of(RoundedProblem const& rounded, std::vector<Index> const& checkpoint
     for (Index k = 1; k <= checkpoints.front(); ++k) {
         Column const psi = unit * rounded.records.psi.col(k - 1);
         auto const kept = out.find(k);
-        if (kept != out.end())
-            kept->second.S_before = of_P.S, kept->second.before = of_P.S * of_P.S.transpose() / lambda;
-        of_P.take(psi);
-        fold(R, psi, root);
+        Square const before = kept == out.end() ? Square() : Square(of_P.stored().F);
+        of_P.update(psi, 0), of_M.update(psi, 0);
         if (kept == out.end()) continue;
-        Row& row = kept->second;
-        row.R = R, row.S = of_P.S, row.psi = psi;
-        row.F = R.triangularView<Eigen::Upper>().solve(Square::Identity(d, d));
+        Square const R = of_M.stored().F.transpose().triangularView<Eigen::Upper>();
+        kept->second = {.R = R,
+                        .F = R.triangularView<Eigen::Upper>().solve(Square::Identity(d, d)),
+                        .S = of_P.stored().F,
+                        .S_before = before,
+                        .before = before * before.transpose() / lambda,
+                        .psi = psi};
     }
     return rows;
 }
