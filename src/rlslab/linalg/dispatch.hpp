@@ -33,7 +33,7 @@ struct Wide {
 /// The table: what was faster on an AMD EPYC of the Zen 4 kind (docs/speed.md), by 3 to 40 %.
 template <class K, class T = double>
 inline constexpr Wide wide =
-    is_one_of<K, ReflectPanel<T>>                                                               ? Wide{1}
+    is_one_of<K, ReflectPanel<T>, SubtractProduct<T>, SubtractProduct<float>>                   ? Wide{1}
     : is_one_of<K, OnBlocks<Multiply<T>>, OnBlocks<SubtractRankOne<T>>, OnBlocks<AddSquare<T>>> ? Wide{5}
     : is_one_of<K, RotateInRows<T>>                                                             ? Wide{8}
     : is_one_of<K, ThenMultiply<SubtractRankOne<T>>>                                            ? Wide{16}

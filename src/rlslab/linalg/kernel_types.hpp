@@ -419,6 +419,27 @@ struct ReflectPanel {
     Index ld_above;
     T *last, *V;
 };
+/// C -= A B, A of `rows` x `depth`, B of `depth` x `columns`; number (i, k) of A is A[i a_row + k a_column], B alike,
+/// those of a column of C stand one behind another, columns ldc apart. Where `lower`, what is above C's diagonal
+/// stands. Each number of C loses sums of `together` products, one sum after another:
+///
+///   c_ij -= ((0 + a_i0 b_0j) + a_i1 b_1j) + ...
+///
+/// C overlaps neither A nor B. `room` has room_of numbers, for float and double.
+template <class T>
+struct SubtractProduct {
+    static constexpr Index together = 256, rows_at_once = 96, columns_at_once = 1024,
+                           room_of = (rows_at_once + columns_at_once) * together;
+    Index rows, columns, depth;
+    T const* A;
+    Index a_row, a_column;
+    T const* B;
+    Index b_row, b_column;
+    T* C;
+    Index ldc;
+    T* room;
+    bool lower = false;
+};
 template <class K>
 concept OnColumns = requires(K k) { k.rows; };
 

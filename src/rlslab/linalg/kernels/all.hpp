@@ -20,6 +20,8 @@
 
 #include <rlslab/linalg/kernels/panel.hpp>
 
+#include <rlslab/linalg/kernels/product.hpp>
+
 /// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes`
 /// bytes.
 template <class K, class T>
