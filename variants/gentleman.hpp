@@ -69,7 +69,7 @@ public:
             eta -= conjugate(x_[i]) * t;
         }
         Step<T> const step = if_determined(determined && regular, step_of(eta, w));                      // (5)
-        return if_finite(lengths_.end_row(psi_, L_, D_, z_, x_) || !(determined && regular), step);
+        return if_finite(lengths_.end_row(psi_, L_, D_, z_, rest_) || !(determined && regular), step);
     }
 
     Vector<T, N> theta() const {

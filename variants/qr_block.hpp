@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/forms.hpp>
 #include <rlslab/linalg/reflections.hpp>
 #include <rlslab/linalg/start.hpp>
 
@@ -24,8 +25,8 @@ namespace rlslab {
 /// Sources: Golub 1965; Puglisi 1992; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <RootedScalar T, int N = Dynamic>
 class QrBlock {
-    RealOf<T> lambda_, root_lambda_;
-    StateVector<T, N> z_, psi_, x_;
+    RealOf<T> lambda_, root_lambda_, root_gamma_{};
+    StateVector<T, N> z_, psi_, x_, rest_;
     StateVector<RealOf<T>, N> tau_;
     StateMatrix<T, N> L_; ColumnLengths<T, N> lengths_;          // R'
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
@@ -34,9 +35,10 @@ class QrBlock {
     Truth<T> determined() const { return lengths_.determined(L_) && nonsingular(L_) && Truth<T>(enough_rows()); }
     bool enough_rows() const { return prior_ || rows_ >= z_.size(); }
     /// Folds A, which stands for `rows` rows, into weight [R z].
-    PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows) {
+    PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows, FurtherSides<T> const& further = {}) {
         lengths_.add_rows(weight, A_.view());
-        reflect_panels_into<T, N>(weight, L_, z_, A_, lengths_.products_in_range());
+        reflect_panels_into<T, N>(weight, L_, z_, A_,
+                                  lengths_.products_in_range(weight, A_.view(), further.z), further.z);
         rows_ += rows;
         Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
         Truth<T> const taken = all_finite(z_) && all_finite<T>(A_.view().col(z_.size()));
@@ -52,18 +54,19 @@ public:
 
     explicit QrBlock(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),
-          psi_(problem.size), x_(problem.size), tau_(problem.size), L_(problem.size), lengths_(problem.size),
+          psi_(problem.size), x_(problem.size), rest_(problem.size), tau_(problem.size), L_(problem.size), lengths_(problem.size),
           prior_(problem.prior.has_value()) {
         start_information_root(problem, L_, z_);
         lengths_.start(L_, z_);
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the last row's health.
-    PerLane<T, Health> update_block(RowsOf<T> psi, OutputsOf<T> y) {
+    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the last row's health. So
+    /// do `further` outputs of the same rows, whose z others keep (adapt/outputs.hpp).
+    PerLane<T, Health> update_block(RowsOf<T> psi, OutputsOf<T> y, FurtherSides<T> const& further = {}) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        return fold_in(weighted_rows<T>(psi, y, root_lambda_, A_), rows);                                       // (1)
+        return fold_in(weighted_rows<T>(psi, y, root_lambda_, A_, further), rows, further);                     // (1)
     }
 
     /// Appends the rows of `newer`, a filter of this problem that started without prior.
@@ -82,15 +85,16 @@ public:
         Truth<T> const before = determined();
         ++rows_;
         T eta = y;
-        RealOf<T> const root_gamma = reflect_row_into(root_lambda_, L_, z_, x_, eta, tau_);
-        Step<T> const step = report_rotated(eta, root_gamma, before);
-        return if_finite(lengths_.add_row(lambda_, psi_, y, L_, z_, x_) || !before, step);
+        root_gamma_ = reflect_row_into(root_lambda_, L_, z_, x_, eta, tau_);
+        Step<T> const step = report_rotated(eta, root_gamma_, before);
+        return if_finite(lengths_.add_row(lambda_, psi_, y, L_, z_, rest_) || !before, step);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
+    auto last_row() requires Field<T> { return ReflectedInformation<T, N>{root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_}; }
     static auto state(auto& f) {
         return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_);
     }

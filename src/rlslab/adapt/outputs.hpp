@@ -2,6 +2,8 @@
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
+#include <rlslab/linalg/block_gain.hpp>
+#include <rlslab/linalg/reflections.hpp>
 
 #include <array>
 #include <span>
@@ -21,6 +23,111 @@ auto copies_of(Index count, X const& x) {
             return std::array<X, size_t(m)>{((void)j, x)...};
         }(std::make_index_sequence<size_t(m)>{});
 }
+
+/// Whether the rows before determined theta, by the step.
+template <class T>
+bool was_determined(Step<T> const& step) {
+    return !(step.gamma == T(0)) || is_finite(step.innovation);
+}
+
+// --- a further right-hand side of a form that solves for theta: z, or b ----------------------------------------------
+// take(form, first, psi, y, e, z, x): what the row that F took last does to z; `first` is F's step, e the innovation
+// where theta_before found it; x is workspace. theta_of_side(form, z): z becomes theta.
+
+template <class T, int N>
+Step<T> take(RootInformation<T, N> f, Step<T> const& first, Regressor<T>, T y, T const&, StateVector<T, N>& z,
+             StateVector<T, N>& x) {
+    bool const determined = was_determined(first);
+    T eta = y, root_gamma(1);
+    Step<T> step;
+    if (is_finite(f.u[0])) {
+        for (Index i = 0; i < z.size(); ++i) {
+            T const t = z[i], turned = f.s[i] * eta;
+            z[i] = f.c[i] * t + turned;
+            eta -= f.u[i] * t;
+        }
+        step = if_determined<T>(determined, step_of(eta, first.gamma), y);
+    } else {
+        for (Index i = 0; i < z.size(); ++i) {
+            T const t = f.root_lambda * z[i], up = f.s[i] * eta, down = f.s[i] * t;
+            eta = f.c[i] * eta - down;
+            z[i] = f.c[i] * t + up;
+            root_gamma *= f.c[i];
+        }
+        step = report_rotated(eta, root_gamma, determined);
+    }
+    return if_finite<T>(!determined || f.lengths.finite_too(z, x, f.L), step);
+}
+template <class T, int N>
+Step<T> take(UnitInformation<T, N> f, Step<T> const& first, Regressor<T>, T y, T const&, StateVector<T, N>& z,
+             StateVector<T, N>& x) {
+    bool const determined = was_determined(first);
+    T eta = y;
+    for (Index i = 0; i < z.size(); ++i) {
+        T const t = z[i], turned = f.s[i] * eta;
+        z[i] = f.c[i] * t + turned;
+        eta -= f.x[i] * t;
+    }
+    return if_finite<T>(!determined || f.lengths.finite_too(z, x, f.L, f.D),
+                        if_determined<T>(determined, step_of(eta, first.gamma)));
+}
+template <class T, int N>
+Step<T> take(ReflectedInformation<T, N> f, Step<T> const& first, Regressor<T>, T y, T const&, StateVector<T, N>& z,
+             StateVector<T, N>& x) {
+    bool const determined = was_determined(first);
+    T eta = y;
+    for (Index i = 0; i < z.size(); ++i) {
+        z[i] *= f.root_lambda;
+        if (f.tau[i] == T(0)) continue;
+        T const t = f.tau[i] * (z[i] + f.v[i] * eta);
+        z[i] -= t;
+        eta -= t * f.v[i];
+    }
+    return if_finite<T>(!determined || f.lengths.finite_too(z, x, f.L), report_rotated(eta, f.root_gamma, determined));
+}
+template <class T, int N>
+Step<T> take(NormalEquations<T, N> f, Step<T> const& first, Regressor<T> psi, T y, T const& e, StateVector<T, N>& b,
+             StateVector<T, N>&) {
+    for (Index i = 0; i < b.size(); ++i) {
+        T const product = psi[i] * y;
+        b[i] = f.lambda * b[i] + product;
+    }
+    return if_finite<T>(all_finite(b), if_determined<T>(was_determined(first), step_of(e, first.gamma), y));
+}
+template <class T, int N>
+void theta_of_side(RootInformation<T, N> f, StateVector<T, N>& z) {
+    solve_lower_transposed(f.L, z);
+}
+template <class T, int N>
+void theta_of_side(ReflectedInformation<T, N> f, StateVector<T, N>& z) {
+    solve_lower_transposed(f.L, z);
+}
+template <class T, int N>
+void theta_of_side(UnitInformation<T, N> f, StateVector<T, N>& z) {
+    solve_lower_transposed(f.L, z);
+    for (Index i = 0; i < z.size(); ++i) z[i] = select(f.D[i] == T(0), undefined<T>(), z[i]);
+}
+template <class T, int N>
+void theta_of_side(NormalEquations<T, N> f, StateVector<T, N>& b) {
+    if (!f.solved) f.solve();
+    solve_ldl(f.L, f.D, f.positive, b);
+}
+/// What shows F's last row to further right-hand sides.
+template <class F>
+auto last_row(F& f) {
+    if constexpr (requires { f.last_row(); }) return f.last_row();
+    else return f.form();
+}
+/// z, or b, of F.
+template <class F>
+auto side_of(F& f) {
+    if constexpr (requires { f.form().b; }) return f.form().b;
+    else if constexpr (requires { last_row(f).z; }) return last_row(f).z;
+}
+template <class F>
+concept SolvesForTheta = ReportsInformation<F> && requires(F& f, StateVector<typename F::scalar, size_of<F>>& z) {
+    theta_of_side(last_row(f), z);
+};
 }  // namespace detail
 
 /// What a row is worth in which an output is missing: NaN, or infinite.
@@ -34,34 +141,43 @@ enum class MissingOutput : unsigned char { drops_the_row, stands };
 ///   (1) e_j = y_j - psi'theta_j        (2) F's row: P, and K = P psi        (3) theta_j += K e_j,  residual gamma e_j
 ///
 /// F holds the first theta and is fed y_1; the others need d multiplications for (1) and d for (3) each, in place of a
-/// filter. Each theta_j and each step is that of an F of its own, bit for bit: for the forms that propagate P or a
-/// factor of it and store theta. The information forms solve for theta, with a right-hand side an output: they do not
-/// compile here.
+/// filter. The forms that solve for theta keep z_j = R theta_j (b_j of `information`) in its place, and turn [z_j y_j]
+/// as F turned [z_1 y_1]: 4 d multiplications, d^2 / 2 for a theta. Each theta_j and each step is that of an F of its
+/// own, bit for bit; of blocks, where neither products nor squares of the rows leave the arithmetic's range.
 ///
 /// Starts all from the problem's theta0. psi may be the gain's own numbers; a psi that is not finite spoils all
 /// outputs, as it spoils F. Rows whose variance differs: sqrt(w) psi and sqrt(w) y, one w a row. Correlated noise
-/// changes nothing in theta: y = psi'Theta with one psi for all. M outputs fixed: no heap where F has none; Dynamic:
-/// allocates where it is made. Throws std::invalid_argument unless there is an output, and for a psi or y of another
-/// size. A step's health is the worse of its own numbers' and F's. Source: folklore; docs/theory.md 64.
-template <TimeUpdates F, int M = Dynamic>
-    requires(ReportsCovariance<F> && std::same_as<Truth<typename F::scalar>, bool> && !requires { F::departs; } &&
-             (M == Dynamic || M >= 1))
+/// changes nothing in theta: y = psi'Theta with one psi for all. An output that begins later (a class that was never
+/// seen) is one of zeros until then, exactly. M outputs fixed: no heap where F has none; Dynamic: allocates where it is
+/// made. Throws std::invalid_argument unless there is an output, for a psi or y of another size, and for
+/// MissingOutput::stands where F solves for theta. A step's health is the worse of its own numbers' and F's. Source:
+/// folklore; docs/theory.md 64.
+template <RecursiveLeastSquares F, int M = Dynamic>
+    requires(((ReportsCovariance<F> && TimeUpdates<F>) || detail::SolvesForTheta<F>) && std::same_as<Truth<typename F::scalar>, bool> &&
+             !requires { F::departs; } && (M == Dynamic || M >= 1))
 class MultiOutput : public detail::AroundFilter<F> {
     using T = typename F::scalar;
     using detail::AroundFilter<F>::filter_;
     static constexpr int N = detail::size_of<F>;
+    static constexpr bool solves = !ReportsCovariance<F>;
     template <class X>
     using Row = decltype(detail::copies_of<M>(Index(1), std::declval<X const&>()));
-    Row<StateVector<T, N>> theta_;  // the first one's place is workspace
+    static constexpr bool by_gain = requires(F& f, RowsOf<T> X, OutputsOf<T> y, BlockGain<T>& block) {
+        f.update_block(X, y, block);
+    };
+    struct None {};
+    Row<StateVector<T, N>> theta_;  // z or b where F solves for theta; the first one's place is workspace
     Row<Step<T>> steps_;
     StateVector<T, N> psi_;
     MissingOutput missing_;
+    [[no_unique_address]] std::conditional_t<by_gain, BlockGain<T>, None> block_;
 
     static Index checked(Index outputs) {
         expects(outputs >= 1 && (M == Dynamic || outputs == M), "as many outputs as the type has, at least one");
         return outputs;
     }
     Regressor<T> psi() const { return {psi_.data(), psi_.size()}; }
+    StateVector<T, N>& room() { return theta_[0]; }
 
 public:
     explicit MultiOutput(Problem<T> const& problem, Index outputs = M == Dynamic ? 1 : M,
@@ -70,8 +186,13 @@ public:
           theta_(detail::copies_of<M>(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
           steps_(detail::copies_of<M>(outputs, Step<T>{T(0), T(0), T(1)})), psi_(filter_.theta().size()),
           missing_(missing) {
-        for (auto& theta : theta_)
-            for (Index i = 0; i < psi_.size(); ++i) theta[i] = filter_.theta()[i];
+        expects(!solves || missing != MissingOutput::stands,
+                "MissingOutput::drops_the_row: a theta that is solved for cannot stand");
+        for (auto& theta : theta_) {
+            if constexpr (solves) theta = detail::side_of(filter_);
+            else
+                for (Index i = 0; i < psi_.size(); ++i) theta[i] = filter_.theta()[i];
+        }
     }
 
     Index outputs() const { return Index(theta_.size()); }
@@ -84,42 +205,78 @@ public:
         bool const whole = y_is_whole(y), used = whole || missing_ == MissingOutput::stands;
         if (!used)
             for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(0);
-        for (Index j = 1; j < outputs(); ++j)
-            steps_[size_t(j)].innovation = innovation(y[j], psi(), theta_[size_t(j)]);  // (1)
+        for (Index j = 1; j < outputs(); ++j) steps_[size_t(j)].innovation = innovation_of(j, y[j]);  // (1)
         // A first output that is missing is as predicted: e_1 = 0.
         T const first = !used ? T(0) : is_finite(y[0]) ? y[0] : predicted();
         Step<T> const step = filter_.update(psi(), first);  // (2)
-        auto const K = filter_.gain();
         for (Index j = 0; j < outputs(); ++j) {
             bool const there = used && is_finite(y[j]);
             Step<T>& mine = steps_[size_t(j)];
-            if (!there) {
-                mine = {undefined<T>(), undefined<T>(), step.gamma, step.health};
-            } else if (j == 0) {
-                mine = step;
-            } else {
-                StateVector<T, N>& theta = theta_[size_t(j)];
-                add_scaled(theta.data(), mine.innovation, K.data(), theta.size());  // (3)
-                mine = if_finite<T>(all_finite(theta), step_of(mine.innovation, step.gamma));
+            if (j > 0 && (there || solves)) {
+                mine = take(j, step, there ? y[j] : T(0), mine.innovation);  // (3)
                 mine.health = worse(mine.health, step.health);
             }
+            if (!there) mine = {undefined<T>(), undefined<T>(), step.gamma, step.health};
+            else if (j == 0) mine = step;
         }
         return {steps_.data(), steps_.size()};
     }
     std::span<Step<T> const> steps() const { return {steps_.data(), steps_.size()}; }  ///< of the last row
 
+    /// k rows at once, the oldest first: X is d x k, Y k x m. F must take blocks. A number that is not finite: all k
+    /// rows are refused, nothing changes. Returns the worst health. steps() stay.
+    Health update_block(RowsOf<T> X, Eigen::Ref<Matrix<T> const> const& Y)
+        requires(by_gain || TakesBlocks<F>)
+    {
+        expects(Y.cols() == outputs() && Y.rows() == X.cols() && X.rows() == psi_.size() && Y.rows() >= 1,
+                "a block of d x k regressors and k x m outputs, k >= 1");
+        if (!finite(X) || !finite(Y)) return Health::nonfinite;
+        if constexpr (by_gain) {
+            Health const health = filter_.update_block(X, Y.col(0), block_);
+            if (health == Health::nonfinite || outputs() == 1) return health;
+            Matrix<T> Theta(psi_.size(), outputs() - 1), E = Y.rightCols(outputs() - 1);
+            for (Index j = 1; j < outputs(); ++j) Theta.col(j - 1) = theta_[size_t(j)].view();
+            block_.take_outputs({X.data(), 1, X.outerStride()}, {Theta.data(), 1, Theta.rows()}, {E.data(), 1, E.rows()},
+                                outputs() - 1);
+            bool taken = true;
+            for (Index j = 1; j < outputs(); ++j)
+                for (Index i = 0; i < psi_.size(); ++i)
+                    taken = is_finite(theta_[size_t(j)][i] = Theta(i, j - 1)) && taken;
+            return taken ? health : Health::nonfinite;
+        } else {
+            std::vector<T*> z(size_t(outputs() - 1));
+            for (size_t j = 0; j < z.size(); ++j) z[j] = theta_[j + 1].data();
+            Health health = filter_.update_block(X, Y.col(0), {Y.data() + Y.outerStride(), Y.outerStride(), z});
+            for (size_t j = 1; j < theta_.size(); ++j)
+                if (!all_finite(theta_[j])) health = Health::nonfinite;
+            return health;
+        }
+    }
+
     /// d x m, a column an output.
     Matrix<T, N, M> theta() const {
         Matrix<T, N, M> out(psi_.size(), outputs());
-        for (Index j = 0; j < outputs(); ++j)
-            for (Index i = 0; i < psi_.size(); ++i) out(i, j) = j == 0 ? filter_.theta()[i] : theta_[size_t(j)][i];
+        for (Index j = 0; j < outputs(); ++j) {
+            if (j == 0) out.col(j) = filter_.theta();
+            else if constexpr (solves) {
+                StateVector<T, N> theta = theta_[size_t(j)];
+                detail::theta_of_side(detail::last_row(const_cast<F&>(filter_)), theta);  // which reads
+                out.col(j) = theta.view();
+            } else out.col(j) = theta_[size_t(j)].view();
+        }
         return out;
     }
     /// theta of one output, good until the next row.
-    Regressor<T> theta_of(Index j) const {
+    Regressor<T> theta_of(Index j) const
+        requires(!solves)
+    {
         return j == 0 ? Regressor<T>(filter_.theta()) : Regressor<T>(theta_[size_t(j)].data(), psi_.size());
     }
-    Matrix<T, N> covariance() const { return filter_.covariance(); }
+    auto covariance() const
+        requires(!solves)
+    {
+        return Matrix<T, N>(filter_.covariance());
+    }
     static constexpr std::string_view layer = "outputs";
     static std::array<StateOption, 2> options(auto const& f) {
         return {{{"outputs", double(f.outputs())}, {"missing", double(f.missing_)}}};
@@ -132,9 +289,32 @@ private:
         for (Index j = 0; j < y.size(); ++j) out = out && is_finite(y[j]);
         return out;
     }
+    static bool finite(auto const& A) {
+        bool out = true;
+        for (Index j = 0; j < A.cols(); ++j)
+            for (Index i = 0; i < A.rows(); ++i) out = out && is_finite(T(A(i, j)));
+        return out;
+    }
     T predicted() const {
         auto const theta = filter_.theta();
         return dot(theta.data(), psi_.data(), psi_.size());
+    }
+    T innovation_of(Index j, T const& y) {
+        if constexpr (!solves) return innovation(y, psi(), theta_[size_t(j)]);
+        else if constexpr (requires { filter_.form().b; }) {
+            room() = theta_[size_t(j)];
+            detail::theta_of_side(filter_.form(), room());
+            return innovation(y, psi(), room());
+        } else return T(0);
+    }
+    Step<T> take(Index j, Step<T> const& step, T const& y, T const& e) {
+        StateVector<T, N>& theta = theta_[size_t(j)];
+        if constexpr (solves) return detail::take(detail::last_row(filter_), step, psi(), y, e, theta, room());
+        else {
+            auto const K = filter_.gain();
+            add_scaled(theta.data(), e, K.data(), theta.size());
+            return if_finite<T>(all_finite(theta), step_of(e, step.gamma));
+        }
     }
 };
 

@@ -48,7 +48,8 @@ class BlockGain {
     Strided<T> S() { return {G().from(0, 3 * k_).at, 1, ld_of_rows()}; }  // below the diagonal L after (3)
     T* D() { return S().from(0, k_).at; }
     T* diagonal() { return S().from(0, k_ + 1).at; }  // of S
-    T* room() { return S().from(0, k_ + 2 + outputs_).at; }
+    T* scaled() { return S().from(0, k_ + 2 + outputs_).at; }  // D L' of a panel, a column k numbers
+    T* room() { return S().from(0, k_ + 2 + outputs_ + panel).at; }
 
     /// C -= A B.
     void subtract(Strided<T const> A, Strided<T const> B, Strided<T> C, Index rows, Index columns, Index depth,
@@ -78,7 +79,7 @@ public:
     Health look(Strided<T const> P, Strided<T const> X, Strided<T const> theta, Strided<T const> Y, Index d, Index k,
                 Index outputs, T const& lambda) {
         d_ = d, k_ = k, outputs_ = outputs;
-        Index const numbers = 3 * ld() * k + ld_of_rows() * (k + 2 + outputs) +
+        Index const numbers = 3 * ld() * k + ld_of_rows() * (k + 2 + outputs + panel) +
                               (Hardware<T> ? kernels::SubtractProduct<T>::room_of : 0);
         if (memory_.size() < numbers) memory_ = StateVector<T>(numbers);
         multiply(P, X, G(), d, k, d);
@@ -124,19 +125,25 @@ public:
         subtract(K(), innovations(), theta, d_, outputs_, k_);  // (7)
     }
 
+    /// After commit(): (1) and (7) of further outputs; E begins as Y, and is overwritten.
+    void take_outputs(Strided<T const> X, Strided<T> theta, Strided<T> E, Index outputs) {
+        subtract(X.turned(), theta, E, k_, outputs, d_);
+        negate(E, k_, outputs);
+        subtract(K(), E, theta, d_, outputs, k_);
+    }
+
 private:
     void factor() {
-        T* const D_L = F().at;  // D L' of a panel, a column k numbers
         for (Index from = 0; from < k_; from += panel) {
             Index const to = std::min(from + panel, k_);
             for (Index j = from; j < to; ++j) {
                 T* const column = &S()(0, j);
                 D()[j] = column[j];
                 for (Index i = j + 1; i < to; ++i) add_scaled(&S()(i, i), T(-(column[i] / D()[j])), column + i, k_ - i);
-                std::copy(column + to, column + k_, D_L + (j - from) * k_ + to);
+                std::copy(column + to, column + k_, scaled() + (j - from) * k_ + to);
                 for (Index i = j + 1; i < k_; ++i) column[i] /= D()[j];
             }
-            subtract(S().from(to, from), Strided<T>{D_L + to, k_, 1}, S().from(to, to), k_ - to, k_ - to, to - from,
+            subtract(S().from(to, from), Strided<T>{scaled() + to, k_, 1}, S().from(to, to), k_ - to, k_ - to, to - from,
                      true);
         }
     }

@@ -367,12 +367,19 @@ public:
     ///
     /// Products of columns, of pivots, and their partial sums are below 32 max n_j^2. What a reflection leaves out
     /// below 2^(min_exp + p), and the underflow of a product, are below u^2 of n_j^2. False for a column that has
-    /// always been zero.
-    Truth<T> products_in_range() const {
+    /// always been zero; of a right-hand side zeros are as good as any. So too for the further
+    /// ones, z each, whose outputs are A's columns behind the first d + 1; z before it is multiplied by weight.
+    template <class Block>
+    Truth<T> products_in_range(RealOf<T> const& weight, Block const& A, std::span<T* const> further) const {
         int const least = min_exponent<T>() + 3 * significand_bits<T>(), most = max_exponent<T>() - 8;
         if (least >= most) return Truth<T>(false);
         Bound const above(std::ldexp(1.0, std::max(least, -1000))), below(std::ldexp(1.0, std::min(most, 1000)));
-        Truth<T> in_range = above < right_ && right_ < below;
+        auto const of_a_side = [&](Bound const& x) { return Truth<T>(x == Bound(0) || (above < x && x < below)); };
+        Truth<T> in_range = of_a_side(right_);
+        Index const d = squares_.size();
+        for (Index j = 0; j < Index(further.size()); ++j)
+            in_range = in_range && of_a_side(squared(further[std::size_t(j)], d) * square(T(weight)) +
+                                             squared(A.col(d + 1 + j).data(), A.rows()));
         for (Index j = 0; j < squares_.size(); ++j) in_range = in_range && above < squares_[j] && squares_[j] < below;
         return in_range;
     }
@@ -381,6 +388,22 @@ public:
         Truth<T> const proven = solved_in_range<T>(
             x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
         return all(proven) ? proven : detail::finite_solutions<T, N>(L, z, psi, x);
+    }
+    /// Whether the theta of a further right-hand side is finite, where K is. D: none for R = L'.
+    template <class... Pivots>
+    bool finite_too(StateVector<T, N> const& z, StateVector<T, N>& x, StateMatrix<T, N> const& L,
+                    Pivots const&... D) const {
+        auto const pivot = [&](Index j) {
+            if constexpr (sizeof...(D) == 0) return square(L(j, j));
+            else return Bound((D[j], ...));
+        };
+        Bound right(0);
+        for (Index j = 0; j < z.size(); ++j) {
+            if constexpr (sizeof...(D) == 0) right += square(z[j]);
+            else right += pivot(j) * square(z[j]);
+        }
+        return all(solved_in_range<T>(x.size(), [&](Index j) { return squares_[j]; }, pivot, right)) ||
+               all(detail::finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); }));
     }
     static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.mark_); }
 };

@@ -48,7 +48,7 @@ template <Real T, int N>
 struct RootInformation {
     using scalar = T;
     T &lambda, &root_lambda;
-    StateVector<T, N>&z, &x, &c, &s;  // x, c, s: workspace
+    StateVector<T, N>&z, &x, &c, &s, &u;  // x, c, s, u: workspace; u_1 is not finite where c and s are of `rotate_in`
     StateMatrix<T, N>& L;
     ColumnLengths<T, N>& lengths;
 };
@@ -59,6 +59,15 @@ struct UnitInformation {
     T& lambda;
     StateVector<T, N>&z, &x, &c, &s, &f, &g;  // x, c, s, f, g: workspace
     StateVector<T, N>& D;
+    StateMatrix<T, N>& L;
+    ColumnLengths<T, N>& lengths;
+};
+/// P^-1 = L L', z = L'theta, and the reflections (1, v_i), tau_i of the last row: `qr_block` after update().
+template <Field T, int N>
+struct ReflectedInformation {
+    using scalar = T;
+    T &root_lambda, &root_gamma;
+    StateVector<T, N>&z, &v, &tau;
     StateMatrix<T, N>& L;
     ColumnLengths<T, N>& lengths;
 };

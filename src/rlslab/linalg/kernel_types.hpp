@@ -418,6 +418,9 @@ struct ReflectPanel {
     T *A, *above;
     Index ld_above;
     T *last, *V;
+    Index others = 0;  // further right-hand sides: columns of A behind the last, R_qj at other[j - columns][first + q]
+    T* const* other = nullptr;
+    Index first = 0;
 };
 /// C -= A B, A of `rows` x `depth`, B of `depth` x `columns`; number (i, k) of A is A[i a_row + k a_column], B alike,
 /// those of a column of C stand one behind another, columns ldc apart. Where `lower`, what is above C's diagonal

@@ -5,6 +5,7 @@
 #include <rlslab/linalg/reflector.hpp>
 
 #include <cstdint>
+#include <span>
 
 namespace rlslab {
 
@@ -19,10 +20,11 @@ T power(T x, Index n) {
 }
 /// [R z] times the weight.
 template <Scalar T, int N>
-void apply_weight(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z) {
+void apply_weight(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, std::span<T* const> others = {}) {
     for (Index i = 0; i < z.size(); ++i) {
         for (Index j = i; j < z.size(); ++j) L(j, i) *= weight;
         z[i] *= weight;
+        for (T* const other : others) other[i] *= weight;
     }
 }
 /// A hint: the next block, where it lies behind this one in memory, is in cache after the reflections. Any address is
@@ -56,14 +58,22 @@ public:
     }
 };
 
+/// Further right-hand sides of a block: a column of outputs and a z of d numbers each.
+template <Scalar T>
+struct FurtherSides {
+    T const* y = nullptr;  // column j at y + j ld
+    Index ld = 0;
+    std::span<T* const> z;
+};
+
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B
 /// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if the block
 /// was never as large.
 template <Scalar T>
 RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
-                        RealOf<T> const& root, RowBlock<T>& block) {
-    Index const d = psi.rows();
-    block.resize(y.size(), d + 1);
+                        RealOf<T> const& root, RowBlock<T>& block, FurtherSides<T> const& further = {}) {
+    Index const d = psi.rows(), others = Index(further.z.size());
+    block.resize(y.size(), d + 1 + others);
     auto A = block.view();
     RealOf<T> weight = RealOf<T>(1);
     // In hardware eight rows at once: they fill a cache line of a column, and columns lie a power of two apart.
@@ -105,6 +115,8 @@ RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vecto
         for (; i < d; ++i)
             for (Index k = 0; k < end - first; ++k) to[i * ld + k] = weights[k] * from[k * stride + i];
         for (Index k = first; k < end; ++k) A(k, d) = weights[k - first] * y[k];
+        for (Index j = 0; j < others; ++j)
+            for (Index k = first; k < end; ++k) A(k, d + 1 + j) = weights[k - first] * further.y[j * further.ld + k];
         weight *= root;
         end = first;
     }
@@ -121,9 +133,9 @@ RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vecto
 /// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
 template <Real T, int N>
 T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z,
-                     std::type_identity_t<Eigen::Ref<Matrix<T>>> A) {
+                     std::type_identity_t<Eigen::Ref<Matrix<T>>> A, std::span<T* const> others = {}) {
     Index const d = z.size(), rows = A.rows();
-    detail::apply_weight(weight, L, z);
+    detail::apply_weight(weight, L, z, others);
     T ratio = T(1);
     for (Index i = 0; i < d; ++i) {
         T* const v = A.col(i).data();
@@ -138,6 +150,9 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
         Index const ld = A.outerStride();
         run_kernel<T, Dynamic>(
             kernels::Reflection<T>{rows, d - i, ld, v, turn.tau, v + ld, L.column(i) + i + 1, &z[i]});  // (2)
+        for (std::size_t j = 0; j < others.size(); ++j)
+            run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, 1, ld, v, turn.tau, A.col(d + 1 + Index(j)).data(),
+                                                          nullptr, others[j] + i});
     }
     return ratio;
 }
@@ -145,11 +160,13 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
 /// The same R and z but for rounding, eight reflections at a time by products of matrices, as kernels::ReflectPanel
 /// says, where `in_range` (ColumnLengths::products_in_range); elsewhere, and for complex numbers, reflect_block_into. A
 /// is overwritten, its last column by eta. Source: Puglisi 1992 (cited, not read), for V'V in place of T.
+///
+/// `others` has the z of further right-hand sides, which stand in A behind the last column of one.
 template <Real T, int N>
 void reflect_panels_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block,
-                         Truth<T> const& in_range) {
+                         Truth<T> const& in_range, std::span<T* const> others = {}) {
     auto A = block.view();
-    if (!any(in_range)) return void(reflect_block_into(weight, L, z, A));
+    if (!any(in_range)) return void(reflect_block_into(weight, L, z, A, others));
     if constexpr (!std::same_as<Truth<T>, bool>) {
         if (!all(in_range)) {  // lanes of either kind
             StateMatrix<T, N> other_L = L;
@@ -167,10 +184,11 @@ void reflect_panels_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N
         }
     }
     Index const d = z.size();
-    detail::apply_weight(weight, L, z);
+    detail::apply_weight(weight, L, z, others);
     for (Index i = 0; i < d; i += kernels::ReflectPanel<T>::most)
         run_kernel<T, Dynamic>(kernels::ReflectPanel<T>{A.rows(), d + 1 - i, A.outerStride(), A.col(i).data(),
-                                                        L.column(i) + i, L.stride(), &z[i], block.V()});
+                                                        L.column(i) + i, L.stride(), &z[i], block.V(),
+                                                        Index(others.size()), others.data(), i});
 }
 
 /// The same for complex numbers. A holds psi as it came, and L is R': both are the rows conjugated. z and y are

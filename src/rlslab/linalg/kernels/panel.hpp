@@ -17,7 +17,19 @@ struct PanelAtWork {
     [[gnu::always_inline]] T* column(Index j) const { return h.A + j * h.ld; }
     /// What stands above column j in the row of reflection q.
     [[gnu::always_inline]] T& above(Index q, Index j) const {
-        return j + 1 < h.columns ? h.above[q * h.ld_above + j] : h.last[q];
+        if (j + 1 < h.columns) return h.above[q * h.ld_above + j];
+        return j < h.columns ? h.last[q] : h.other[j - h.columns][h.first + q];
+    }
+    /// (2) for the right-hand sides behind the last, where those before are reflected one by one.
+    template <class Dot, class Subtract>
+    [[gnu::always_inline]] void turn_others(Dot const& dot, Subtract const& subtract) {
+        for (Index j = h.columns; j < h.columns + h.others; ++j)
+            for (int q = 0; q < count; ++q) {
+                T& r = above(q, j);
+                T const by = beta[q] * (pivot[q] * r + dot(column(q), column(j)));
+                r -= by * pivot[q];
+                subtract(by, column(q), column(j));
+            }
     }
     /// (1) and (2) but for the columns themselves: the coefficients t_j from s_j = x_q'a_j.
     [[gnu::always_inline]] void turn(int q) {
@@ -50,7 +62,11 @@ void evaluate(ReflectPanel<T> const& h) {
             for (Index k = 0; k < h.rows; ++k) panel.column(j)[k] -= panel.t[j] * panel.column(q)[k];  // (2)
         if (q + 1 < count) sums(q + 1);
     }
-    if (turned == h.columns) return;
+    if (turned == h.columns)
+        return panel.turn_others([&](T const* x, T const* a) { return T(0) + T(dot(x, a, h.rows)); },
+                                 [&](T const& by, T const* x, T* a) {
+                                     for (Index k = 0; k < h.rows; ++k) a[k] -= by * x[k];
+                                 });
     auto const product = [&](T const* x, T const* a) {
         T sum(0);
         for (Index k = 0; k < h.rows; ++k) sum += x[k] * a[k];
@@ -59,7 +75,7 @@ void evaluate(ReflectPanel<T> const& h) {
     T G[most][most], t[most];
     for (int q = 0; q < most; ++q)
         for (int p = 0; p < q; ++p) G[p][q] = product(panel.column(p), panel.column(q));  // (3)
-    for (Index j = most; j < h.columns; ++j) {
+    for (Index j = most; j < h.columns + h.others; ++j) {
         T* const a = panel.column(j);
         for (int q = 0; q < most; ++q) t[q] = product(panel.column(q), a);
         for (int q = 0; q < most; ++q) {  // (4)
@@ -197,7 +213,7 @@ template <class P, int C, class T>
     using Register = typename P::Register;
     constexpr int registers = 8 / P::width;
     ReflectPanel<T> const& h = panel.h;
-    for (; j + C <= h.columns; j += C) {
+    for (; j + C <= h.columns + h.others; j += C) {
         alignas(64) T t[C][8];
         products<P, C>(h.V, panel.column(j), h.ld, n, t);
         for (int c = 0; c < C; ++c) {
@@ -254,7 +270,17 @@ template <class P, class T>
         if (q + 1 < count) pass_from_next<P, abreast, true>(panel, q, n);
         else pass_on<P, abreast, true, false>(panel, q, q + 1, n);
     }
-    if (panel.turned == h.columns) return;
+    if (panel.turned == h.columns)
+        return panel.turn_others(
+            [&](T const* x, T const* a) {
+                T const* const read[1] = {a};
+                T sum[1];
+                dots<P, 1>(x, read, n, sum);
+                return T(0) + sum[0];
+            },
+            [&](T const& by, T const* x, T* a) {
+                for (Index k = 0; k < n; k += P::width) P::store(a + k, P::load(a + k) - by * P::load(x + k));
+            });
     turn_into_rows<P>(h.A, h.ld, n, h.V);
     alignas(64) T G[8][8];
     for (int q = 0; q < 8; q += 2) products<P, 2>(h.V, panel.column(q), h.ld, n, *reinterpret_cast<T(*)[2][8]>(G[q]));
