@@ -80,7 +80,9 @@ public:
     void gain(StateVector<T, N>& out) const { out = psi_; solve_outer(L_, out); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    auto form() requires Field<T> { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, u_, L_, lengths_}; }
+    auto form() requires Field<T> {
+        return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, u_, L_, lengths_};
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_); }
 
 private:
@@ -100,7 +102,7 @@ private:
         else if (any(by_substitution))
             rotate_or_sweep_in(by_substitution, L_, z_, y, row_, root_lambda_, c_, s_, u_, root_gamma);
         else {
-            rotate_in(L_, row_, root_lambda_, z_, y, c_, s_); u_[0] = undefined<T>();
+            rotate_in(L_, row_, root_lambda_, z_, y, c_, s_); u_[0] = undefined<T>();             // c and s alone
             for (Index i = 0; i < row_.size(); ++i) root_gamma *= c_[i];
         }
         Step<T> step = step_of(row.e, lambda_, row.s);

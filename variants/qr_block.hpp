@@ -32,13 +32,10 @@ class QrBlock {
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
     RowBlock<T> A_;                                          // a block, with y as its last column
 
-    Truth<T> determined() const { return lengths_.determined(L_) && nonsingular(L_) && Truth<T>(enough_rows()); }
-    bool enough_rows() const { return prior_ || rows_ >= z_.size(); }
-    /// Folds A, which stands for `rows` rows, into weight [R z].
-    PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows, FurtherSides<T> const& further = {}) {
-        lengths_.add_rows(weight, A_.view());
-        reflect_panels_into<T, N>(weight, L_, z_, A_,
-                                  lengths_.products_in_range(weight, A_.view(), further.z), further.z);
+    bool enough() const { return prior_ || rows_ >= z_.size(); }
+    Truth<T> determined() const { return lengths_.determined(L_) && nonsingular(L_) && Truth<T>(enough()); }
+    /// After a block that stands for `rows` rows.
+    PerLane<T, Health> folded(Index rows) {
         rows_ += rows;
         Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
         Truth<T> const taken = all_finite(z_) && all_finite<T>(A_.view().col(z_.size()));
@@ -53,31 +50,30 @@ public:
     static constexpr int edition = 2; static constexpr Index block = 256;
 
     explicit QrBlock(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),
-          psi_(problem.size), x_(problem.size), rest_(problem.size), tau_(problem.size), L_(problem.size), lengths_(problem.size),
+        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(z_),
+          x_(z_), rest_(z_), tau_(problem.size), L_(problem.size), lengths_(problem.size),
           prior_(problem.prior.has_value()) {
         start_information_root(problem, L_, z_);
         lengths_.start(L_, z_);
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the last row's health. So
-    /// do `further` outputs of the same rows, whose z others keep (adapt/outputs.hpp).
+    /// Folds in B >= 1 rows, the oldest first, psi of d x B; `further`: MultiOutput's. Returns the last row's health.
     PerLane<T, Health> update_block(RowsOf<T> psi, OutputsOf<T> y, FurtherSides<T> const& further = {}) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        return fold_in(weighted_rows<T>(psi, y, root_lambda_, A_, further), rows, further);                     // (1)
+        fold_rows<T, N>(L_, z_, A_, lengths_, psi, y, root_lambda_, further);                                   // (1)
+        return folded(rows);
     }
 
-    /// Appends the rows of `newer`, a filter of this problem that started without prior.
-    void merge(QrBlock const& newer) {
-        Index const d = z_.size();
-        expects(newer.z_.size() == d && all(newer.lambda_ == lambda_) && !newer.prior_,
+    /// Appends the rows of `newer`, a filter of this problem that started without prior; further.y: its z.
+    void merge(QrBlock const& newer, FurtherSides<T> const& further = {}) {
+        expects(newer.z_.size() == z_.size() && all(newer.lambda_ == lambda_) && !newer.prior_,
                 "a part of this problem, no prior");
-        if (rows_ == 0 && !prior_) { state(*this) = state(newer); return; }    // nothing to fold into: its numbers
+        if (rows_ == 0 && !prior_) { state(*this) = state(newer); return further.copy(z_.size()); }  // its numbers
         if (newer.rows_ > 0) psi_ = newer.psi_;
-        A_.resize(d, d + 1); A_.view() << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
-        fold_in(detail::power(root_lambda_, newer.rows_), newer.rows_);                                  // (5)
+        fold_triangle(L_, z_, A_, lengths_, newer.L_, newer.z_, root_lambda_, newer.rows_, further);           // (5)
+        folded(newer.rows_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -94,7 +90,7 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    auto last_row() requires Field<T> { return ReflectedInformation<T, N>{root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_}; }
+    auto last_row() requires Field<T> { return LastReflections{root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_}; }
     static auto state(auto& f) {
         return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_);
     }

@@ -292,7 +292,7 @@ struct PanelOperands {
 
     PanelOperands(Index rows_of, Index columns_of, Seed seed)
         : rows(rows_of), columns(columns_of), ld(column_stride<T, Dynamic>(rows)), A(size_t(ld * columns)),
-          above(size_t(8 * columns)), last(8), V(size_t(8 * padded<T, Dynamic>(rows))) {
+          above(size_t(8 * columns)), last(8), V(size_t(8 * padded<T, Dynamic>(rows) + 64)) {
         int const span = sizeof(T) == 8 ? 400 : 16, kind = int(seed.next() % 4);
         int const scale = kind == 0 ? 0 : int(seed.next() % std::uint64_t(2 * span)) - span;
         auto const number = [&](int exponent) {

@@ -72,7 +72,7 @@ Step<T> take(UnitInformation<T, N> f, Step<T> const& first, Regressor<T>, T y, T
                         if_determined<T>(determined, step_of(eta, first.gamma)));
 }
 template <class T, int N>
-Step<T> take(ReflectedInformation<T, N> f, Step<T> const& first, Regressor<T>, T y, T const&, StateVector<T, N>& z,
+Step<T> take(LastReflections<T, N> f, Step<T> const& first, Regressor<T>, T y, T const&, StateVector<T, N>& z,
              StateVector<T, N>& x) {
     bool const determined = was_determined(first);
     T eta = y;
@@ -99,7 +99,7 @@ void theta_of_side(RootInformation<T, N> f, StateVector<T, N>& z) {
     solve_lower_transposed(f.L, z);
 }
 template <class T, int N>
-void theta_of_side(ReflectedInformation<T, N> f, StateVector<T, N>& z) {
+void theta_of_side(LastReflections<T, N> f, StateVector<T, N>& z) {
     solve_lower_transposed(f.L, z);
 }
 template <class T, int N>
@@ -135,6 +135,9 @@ concept SolvesForTheta = ReportsInformation<F> && requires(F& f, StateVector<typ
 ///   stands          for the others nothing changes, bit for bit; the theta of the one that is missing stands, and its
 ///                   P is too small
 enum class MissingOutput : unsigned char { drops_the_row, stands };
+/// What a row of a block is worth in which a number is not finite: the block is refused, or the row never came, as a
+/// guard has it.
+enum class UnusableRows : unsigned char { refuse_the_block, are_left_out };
 
 /// m outputs y_j = psi'theta_j + noise of one psi, each noise white with a variance of its own:
 ///
@@ -153,8 +156,8 @@ enum class MissingOutput : unsigned char { drops_the_row, stands };
 /// MissingOutput::stands where F solves for theta. A step's health is the worse of its own numbers' and F's. Source:
 /// folklore; docs/theory.md 64.
 template <RecursiveLeastSquares F, int M = Dynamic>
-    requires(((ReportsCovariance<F> && TimeUpdates<F>) || detail::SolvesForTheta<F>) && std::same_as<Truth<typename F::scalar>, bool> &&
-             !requires { F::departs; } && (M == Dynamic || M >= 1))
+    requires(((ReportsCovariance<F> && TimeUpdates<F>) || detail::SolvesForTheta<F>) &&
+             std::same_as<Truth<typename F::scalar>, bool> && !requires { F::departs; } && (M == Dynamic || M >= 1))
 class MultiOutput : public detail::AroundFilter<F> {
     using T = typename F::scalar;
     using detail::AroundFilter<F>::filter_;
@@ -162,14 +165,15 @@ class MultiOutput : public detail::AroundFilter<F> {
     static constexpr bool solves = !ReportsCovariance<F>;
     template <class X>
     using Row = decltype(detail::copies_of<M>(Index(1), std::declval<X const&>()));
-    static constexpr bool by_gain = requires(F& f, RowsOf<T> X, OutputsOf<T> y, BlockGain<T>& block) {
-        f.update_block(X, y, block);
-    };
+    static constexpr bool by_gain =
+        requires(F& f, RowsOf<T> X, OutputsOf<T> y, BlockGain<T>& block) { f.update_block(X, y, block); };
     struct None {};
+    StateVector<T, N> psi_;
     Row<StateVector<T, N>> theta_;  // z or b where F solves for theta; the first one's place is workspace
     Row<Step<T>> steps_;
-    StateVector<T, N> psi_;
     MissingOutput missing_;
+    bool from_zero_;
+    Index left_out_ = 0;
     [[no_unique_address]] std::conditional_t<by_gain, BlockGain<T>, None> block_;
 
     static Index checked(Index outputs) {
@@ -182,10 +186,10 @@ class MultiOutput : public detail::AroundFilter<F> {
 public:
     explicit MultiOutput(Problem<T> const& problem, Index outputs = M == Dynamic ? 1 : M,
                          MissingOutput missing = MissingOutput::drops_the_row)
-        : detail::AroundFilter<F>(F(problem)),
-          theta_(detail::copies_of<M>(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
-          steps_(detail::copies_of<M>(outputs, Step<T>{T(0), T(0), T(1)})), psi_(filter_.theta().size()),
-          missing_(missing) {
+        : detail::AroundFilter<F>(F(problem)), psi_(filter_.theta().size()),
+          theta_(detail::copies_of<M>(room_for(checked(outputs)), StateVector<T, N>(psi_.size()))),
+          steps_(detail::copies_of<M>(outputs, Step<T>{T(0), T(0), T(1)})), missing_(missing),
+          from_zero_(starts_at_zero(problem)) {
         expects(!solves || missing != MissingOutput::stands,
                 "MissingOutput::drops_the_row: a theta that is solved for cannot stand");
         for (auto& theta : theta_) {
@@ -202,7 +206,7 @@ public:
     std::span<Step<T> const> update(Regressor<T> given, Regressor<T> y) {
         expects(outputs() >= 1 && y.size() == outputs(), "as many outputs as there are thetas, at least one");
         keep_regressor(given, psi_);
-        bool const whole = y_is_whole(y), used = whole || missing_ == MissingOutput::stands;
+        bool const complete = whole(y), used = complete || missing_ == MissingOutput::stands;
         if (!used)
             for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(0);
         for (Index j = 1; j < outputs(); ++j) steps_[size_t(j)].innovation = innovation_of(j, y[j]);  // (1)
@@ -223,34 +227,44 @@ public:
     }
     std::span<Step<T> const> steps() const { return {steps_.data(), steps_.size()}; }  ///< of the last row
 
-    /// k rows at once, the oldest first: X is d x k, Y k x m. F must take blocks. A number that is not finite: all k
-    /// rows are refused, nothing changes. Returns the worst health. steps() stay.
-    Health update_block(RowsOf<T> X, Eigen::Ref<Matrix<T> const> const& Y)
+    /// k rows at once, the oldest first: X is d x k, Y k x m. Of qr_block and joseph_rank_two. With a number that is not
+    /// finite the block is refused, nothing changes, and nonfinite is returned; or such rows are left out, and counted.
+    /// Returns the worst health of the rows; of qr_block the last one's. steps() stay. Throws std::invalid_argument for
+    /// other sizes, or k = 0.
+    Health update_block(RowsOf<T> X, Eigen::Ref<Matrix<T> const> const& Y,
+                        UnusableRows unusable = UnusableRows::refuse_the_block)
         requires(by_gain || TakesBlocks<F>)
     {
         expects(Y.cols() == outputs() && Y.rows() == X.cols() && X.rows() == psi_.size() && Y.rows() >= 1,
                 "a block of d x k regressors and k x m outputs, k >= 1");
-        if (!finite(X) || !finite(Y)) return Health::nonfinite;
-        if constexpr (by_gain) {
-            Health const health = filter_.update_block(X, Y.col(0), block_);
-            if (health == Health::nonfinite || outputs() == 1) return health;
-            Matrix<T> Theta(psi_.size(), outputs() - 1), E = Y.rightCols(outputs() - 1);
-            for (Index j = 1; j < outputs(); ++j) Theta.col(j - 1) = theta_[size_t(j)].view();
-            block_.take_outputs({X.data(), 1, X.outerStride()}, {Theta.data(), 1, Theta.rows()}, {E.data(), 1, E.rows()},
-                                outputs() - 1);
-            bool taken = true;
-            for (Index j = 1; j < outputs(); ++j)
-                for (Index i = 0; i < psi_.size(); ++i)
-                    taken = is_finite(theta_[size_t(j)][i] = Theta(i, j - 1)) && taken;
-            return taken ? health : Health::nonfinite;
-        } else {
-            std::vector<T*> z(size_t(outputs() - 1));
-            for (size_t j = 0; j < z.size(); ++j) z[j] = theta_[j + 1].data();
-            Health health = filter_.update_block(X, Y.col(0), {Y.data() + Y.outerStride(), Y.outerStride(), z});
-            for (size_t j = 1; j < theta_.size(); ++j)
-                if (!all_finite(theta_[j])) health = Health::nonfinite;
-            return health;
-        }
+        std::vector<Index> usable;
+        for (Index k = 0; k < X.cols(); ++k)
+            if (whole(X.col(k)) && whole(Y.row(k))) usable.push_back(k);
+        if (Index(usable.size()) == X.cols()) return take_block(X, Y);
+        if (unusable == UnusableRows::refuse_the_block) return Health::nonfinite;
+        left_out_ += X.cols() - Index(usable.size());
+        if (usable.empty()) return Health::nonfinite;
+        Matrix<T> const some = X(Eigen::all, usable), some_outputs = Y(usable, Eigen::all);
+        return take_block(some, some_outputs);
+    }
+    Index left_out() const { return left_out_; }  ///< rows of blocks, since it was made; not in a state
+
+    /// Appends the rows of `newer`, outputs of this problem that started without prior, as F merges.
+    void merge(MultiOutput const& newer)
+        requires requires(F& f, FurtherSides<T> const& sides) { f.merge(f, sides); }
+    {
+        expects(newer.outputs() == outputs(), "as many outputs");
+        filter_.merge(newer.filter_, {sides(newer), sides(*this)});
+    }
+
+    /// Outputs that were zeros until now, exactly. The problem must start at theta0 = 0. Invalidates steps().
+    void add_outputs(Index more)
+        requires(M == Dynamic)
+    {
+        expects(more >= 0 && from_zero_, "outputs that begin at theta0 = 0");
+        room_for(outputs() + more);
+        theta_.resize(theta_.size() + size_t(more), StateVector<T, N>(psi_.size()));
+        steps_.resize(theta_.size(), {T(0), T(0), T(1)});
     }
 
     /// d x m, a column an output.
@@ -284,16 +298,50 @@ public:
     static auto state(auto& f) { return std::tie(f.filter_, f.theta_); }
 
 private:
-    static bool y_is_whole(Regressor<T> y) {
+    static bool starts_at_zero(Problem<T> const& problem) {
+        if (!problem.prior || !problem.prior->theta) return true;
         bool out = true;
-        for (Index j = 0; j < y.size(); ++j) out = out && is_finite(y[j]);
+        for (T const& x : *problem.prior->theta) out = out && x == T(0);
         return out;
     }
-    static bool finite(auto const& A) {
-        bool out = true;
-        for (Index j = 0; j < A.cols(); ++j)
-            for (Index i = 0; i < A.rows(); ++i) out = out && is_finite(T(A(i, j)));
+    /// The z of all outputs but the first.
+    static auto sides(auto& of) {
+        std::vector<decltype(of.theta_[0].data())> out;
+        for (size_t j = 1; j < of.theta_.size(); ++j) out.push_back(of.theta_[j].data());
         return out;
+    }
+    static bool whole(auto const& x) {
+        bool out = true;
+        for (Index i = 0; i < x.size(); ++i) out = out && is_finite(T(x[i]));
+        return out;
+    }
+    /// Throws std::bad_alloc for thetas that memory cannot hold, before it is asked for them one by one.
+    Index room_for(Index outputs) const {
+        if constexpr (M == Dynamic) std::vector<T>().reserve(size_t(outputs) * size_t(psi_.size()));
+        return outputs;
+    }
+    Health take_block(RowsOf<T> X, Eigen::Ref<Matrix<T> const> const& Y) {
+        Index const others = outputs() - 1;
+        bool taken = true;
+        Health health;
+        if constexpr (by_gain) {
+            health = filter_.update_block(X, Y.col(0), block_);
+            if (health == Health::nonfinite || others == 0) return health;
+            Matrix<T> Theta(psi_.size(), others), E = Y.rightCols(others);
+            for (Index j = 0; j < others; ++j) Theta.col(j) = theta_[size_t(j + 1)].view();
+            block_.take_outputs({X.data(), 1, X.outerStride()}, {Theta.data(), 1, Theta.rows()},
+                                {E.data(), 1, E.rows()}, others);
+            for (Index j = 0; j < others; ++j)
+                for (Index i = 0; i < psi_.size(); ++i)
+                    taken = is_finite(theta_[size_t(j + 1)][i] = Theta(i, j)) && taken;
+        } else {
+            std::vector<T*> const z = sides(*this);
+            std::vector<T const*> y;
+            for (Index j = 1; j < outputs(); ++j) y.push_back(Y.col(j).data());
+            health = filter_.update_block(X, Y.col(0), {y, z});
+            for (size_t j = 1; j < theta_.size(); ++j) taken = taken && all_finite(theta_[j]);
+        }
+        return taken ? health : Health::nonfinite;
     }
     T predicted() const {
         auto const theta = filter_.theta();

@@ -353,9 +353,9 @@ public:
     /// The same for a block: add_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite
     /// afterwards.
     template <class Block>
-    void add_rows(RealOf<T> const& weight, Block const& A) {
+    void add_rows(RealOf<T> const& weight, Block const& A, Index from, Index to) {
         Index const d = squares_.size();
-        for (Index j = 0; j <= d; ++j) {
+        for (Index j = from; j < to; ++j) {
             Bound& sum = j < d ? squares_[j] : right_;
             sum = sum * square(T(weight)) + squared(A.col(j).data(), A.rows());
         }
@@ -402,7 +402,8 @@ public:
             if constexpr (sizeof...(D) == 0) right += square(z[j]);
             else right += pivot(j) * square(z[j]);
         }
-        return all(solved_in_range<T>(x.size(), [&](Index j) { return squares_[j]; }, pivot, right)) ||
+        return all(solved_in_range<T>(
+                   x.size(), [&](Index j) { return squares_[j]; }, pivot, right)) ||
                all(detail::finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); }));
     }
     static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.mark_); }

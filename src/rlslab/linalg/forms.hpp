@@ -64,7 +64,7 @@ struct UnitInformation {
 };
 /// P^-1 = L L', z = L'theta, and the reflections (1, v_i), tau_i of the last row: `qr_block` after update().
 template <Field T, int N>
-struct ReflectedInformation {
+struct LastReflections {
     using scalar = T;
     T &root_lambda, &root_gamma;
     StateVector<T, N>&z, &v, &tau;

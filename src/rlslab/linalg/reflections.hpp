@@ -3,6 +3,7 @@
 
 #include <rlslab/linalg/kernels.hpp>
 #include <rlslab/linalg/reflector.hpp>
+#include <rlslab/linalg/team.hpp>
 
 #include <cstdint>
 #include <span>
@@ -18,11 +19,14 @@ T power(T x, Index n) {
         if (n % 2 == 1) out *= x;
     return out;
 }
-/// [R z] times the weight.
+/// [R z] times the weight: this seat's columns.
 template <Scalar T, int N>
-void apply_weight(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, std::span<T* const> others = {}) {
-    for (Index i = 0; i < z.size(); ++i) {
-        for (Index j = i; j < z.size(); ++j) L(j, i) *= weight;
+void apply_weight(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, std::span<T* const> others = {},
+                  Seat const& seat = {}) {
+    auto const [from, to] = seat.share(0, z.size(), 8);
+    for (Index i = 0; i < to; ++i) {
+        for (Index j = std::max(i, from); j < to; ++j) L(j, i) *= weight;
+        if (i < from) continue;
         z[i] *= weight;
         for (T* const other : others) other[i] *= weight;
     }
@@ -33,16 +37,17 @@ inline void prefetch(std::uintptr_t address) { __builtin_prefetch(reinterpret_ca
 }  // namespace detail
 
 /// A block of rows, stored by columns: for float and double these begin on a cache line and are padded with zeros as a
-/// StateMatrix's are. V is room for a ReflectPanel. Allocates if it was never as large.
+/// StateMatrix's are. V is a thread's room for a ReflectPanel. Allocates if it was never as large.
 template <Scalar T>
 class RowBlock {
     Index rows_ = 0, columns_ = 0;
     StateVector<T> memory_{0};
+    static Index room_of_V(Index rows) { return 8 * padded<T, Dynamic>(rows) + 64; }
 
 public:
     void resize(Index rows, Index columns) {
-        Index const room = Hardware<T> ? 8 * padded<T, Dynamic>(rows) : 0, stride = column_stride<T, Dynamic>(rows),
-                    numbers = stride * columns + room;
+        Index const room = Hardware<T> ? detail::team.threads * room_of_V(rows) + 32 : 0,
+                    stride = column_stride<T, Dynamic>(rows), numbers = stride * columns + room;
         expects(product_fits(size_t(stride), size_t(columns) + 8), "a block that memory could hold");
         if (memory_.size() < numbers) memory_ = StateVector<T>(numbers);
         else if (rows == rows_ && columns == columns_) return;
@@ -51,29 +56,33 @@ public:
             for (Index k = rows; k < stride; ++k) memory_[j * stride + k] = T(0);
     }
     Index stride() const { return column_stride<T, Dynamic>(rows_); }
-    T* V() { return memory_.data() + stride() * columns_; }
+    T* kept(Index which) { return memory_.data() + stride() * columns_ + which * 16; }  ///< of 0 and 1: for all threads
+    T* V(detail::Seat const& seat) { return kept(2) + seat.i * room_of_V(rows_); }
     auto view() {
         using Stride = Eigen::OuterStride<>;
         return Eigen::Map<Matrix<T>, 0, Stride>(memory_.data(), rows_, columns_, Stride(stride()));
     }
 };
 
-/// Further right-hand sides of a block: a column of outputs and a z of d numbers each.
+/// Further right-hand sides of a block: the outputs y of its rows, and a z of d numbers, each.
 template <Scalar T>
 struct FurtherSides {
-    T const* y = nullptr;  // column j at y + j ld
-    Index ld = 0;
+    std::span<T const* const> y;
     std::span<T* const> z;
+    /// z = y.
+    void copy(Index d) const {
+        for (std::size_t j = 0; j < z.size(); ++j) std::copy_n(y[j], d, z[j]);
+    }
 };
 
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B
-/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if the block
-/// was never as large.
+/// numbers, and root is sqrt(lambda). Returns root^B, the weight of what was before the block. This seat's columns.
 template <Scalar T>
 RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
-                        RealOf<T> const& root, RowBlock<T>& block, FurtherSides<T> const& further = {}) {
-    Index const d = psi.rows(), others = Index(further.z.size());
-    block.resize(y.size(), d + 1 + others);
+                        RealOf<T> const& root, RowBlock<T>& block, FurtherSides<T> const& further,
+                        detail::Seat const& seat) {
+    auto const [left, d] = seat.share(0, psi.rows(), 8);
+    Index const all = psi.rows(), others = seat.i == 0 ? Index(further.z.size()) : 0;
     auto A = block.view();
     RealOf<T> weight = RealOf<T>(1);
     // In hardware eight rows at once: they fill a cache line of a column, and columns lie a power of two apart.
@@ -90,9 +99,9 @@ RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vecto
         T const* from = psi.col(first).data();
         T* to = A.data() + first;
         Index const stride = psi.outerStride(), rows = A.rows(), ld = A.outerStride();
-        Index i = 0;
+        Index i = left;
         if constexpr (Hardware<T>) {
-            for (Index at = 0; at < d; at += 8)
+            for (Index at = left; at < d; at += 8)
                 for (Index k = 0; k < end - first; ++k)
                     detail::prefetch(std::uintptr_t(from + at) + size_t((k + rows) * stride) * sizeof(T));
             constexpr int side = 16 / int(sizeof(T));  // squares of numbers, where there are whole ones
@@ -114,9 +123,9 @@ RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vecto
         }
         for (; i < d; ++i)
             for (Index k = 0; k < end - first; ++k) to[i * ld + k] = weights[k] * from[k * stride + i];
-        for (Index k = first; k < end; ++k) A(k, d) = weights[k - first] * y[k];
+        for (Index k = first; seat.i == 0 && k < end; ++k) A(k, all) = weights[k - first] * y[k];
         for (Index j = 0; j < others; ++j)
-            for (Index k = first; k < end; ++k) A(k, d + 1 + j) = weights[k - first] * further.y[j * further.ld + k];
+            for (Index k = first; k < end; ++k) A(k, all + 1 + j) = weights[k - first] * further.y[std::size_t(j)][k];
         weight *= root;
         end = first;
     }
@@ -164,16 +173,19 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
 /// `others` has the z of further right-hand sides, which stand in A behind the last column of one.
 template <Real T, int N>
 void reflect_panels_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block,
-                         Truth<T> const& in_range, std::span<T* const> others = {}) {
+                         Truth<T> const& in_range, std::span<T* const> others, detail::Seat const& seat) {
     auto A = block.view();
-    if (!any(in_range)) return void(reflect_block_into(weight, L, z, A, others));
+    if (!any(in_range)) {
+        if (seat.i == 0) reflect_block_into(weight, L, z, A, others);
+        return;
+    }
     if constexpr (!std::same_as<Truth<T>, bool>) {
         if (!all(in_range)) {  // lanes of either kind
             StateMatrix<T, N> other_L = L;
             StateVector<T, N> other_z = z;
             RowBlock<T> other = block;
             reflect_block_into(weight, other_L, other_z, other.view());
-            reflect_panels_into(weight, L, z, block, Truth<T>(true));
+            reflect_panels_into(weight, L, z, block, Truth<T>(true), others, seat);
             for (Index i = 0; i < z.size(); ++i) {
                 z[i] = select(in_range, z[i], other_z[i]);
                 for (Index j = i; j < z.size(); ++j) L(j, i) = select(in_range, L(j, i), other_L(j, i));
@@ -183,12 +195,46 @@ void reflect_panels_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N
             return;
         }
     }
-    Index const d = z.size();
-    detail::apply_weight(weight, L, z, others);
-    for (Index i = 0; i < d; i += kernels::ReflectPanel<T>::most)
-        run_kernel<T, Dynamic>(kernels::ReflectPanel<T>{A.rows(), d + 1 - i, A.outerStride(), A.col(i).data(),
-                                                        L.column(i) + i, L.stride(), &z[i], block.V(),
-                                                        Index(others.size()), others.data(), i});
+    Index const d = z.size(), all = d + 1 + Index(others.size());
+    using Panel = kernels::ReflectPanel<T>;
+    using Part = typename Panel::Part;
+    constexpr Index most = Panel::most;
+    detail::apply_weight(weight, L, z, others, seat);
+    seat.wait();
+    auto const panel_at = [&](Index i) {
+        return Panel{A.rows(),   d + 1 - i, A.outerStride(), A.col(i).data(), L.column(i) + i,
+                     L.stride(), &z[i],     block.V(seat),   all - d - 1,     others.data(),
+                     i};
+    };
+    auto const run = [&](Panel panel, Part part, Index from, Index to) {
+        panel.part = part, panel.from = from, panel.to = to, panel.kept = block.kept(panel.first / most % 2);
+        run_kernel<T, Dynamic>(panel);
+    };
+    bool ahead = false;  // the panel's pivots were made with the one before it
+    for (Index i = 0; i < d; i += most) {
+        Panel const panel = panel_at(i);
+        if (seat.count == 1) {
+            run_kernel<T, Dynamic>(panel);
+            continue;
+        }
+        if (!ahead) {
+            if (seat.i == 0) run(panel, Part::pivots, 0, 0);
+            seat.wait();
+        }
+        if (!panel.leaves_columns()) continue;
+        Panel const next = panel_at(i + most);
+        ahead = next.leaves_columns();
+        bool const makes_next = ahead && seat.i == 0;
+        if (makes_next) {
+            run(panel, Part::columns, most, 2 * most);
+            run(next, Part::pivots, 0, 0);
+        }
+        // Both cost the first thread about as much as 16 columns.
+        Index const first = ahead ? 2 * most : most;
+        auto const [from, to] = seat.share(ahead ? 0 : most, all - i, most);
+        run(panel, makes_next ? Part::more_columns : Part::columns, std::max(from, first), std::max(to, first));
+        seat.wait();
+    }
 }
 
 /// The same for complex numbers. A holds psi as it came, and L is R': both are the rows conjugated. z and y are
@@ -228,8 +274,53 @@ RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, Stat
 template <RootedScalar T, int N>
     requires ComplexScalar<T>
 void reflect_panels_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block,
-                         Truth<T> const&) {
+                         Truth<T> const&, std::span<T* const>, detail::Seat const&) {
     reflect_block_into(weight, L, z, block.view());
+}
+
+namespace detail {
+/// A's rows (`fill(seat)` makes them, this seat's columns, and returns the weight of what was before) into [R z], and
+/// their squares into the lengths of R's columns. In the team's threads.
+template <Scalar T, int N, class Lengths>
+void fold(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths, Index rows,
+          std::span<T* const> others, auto const& fill) {
+    Index const columns = z.size() + 1 + Index(others.size());
+    block.resize(rows, columns);
+    in_team(Hardware<T> ? double(z.size()) * double(columns) * double(rows) : 0, [&](Seat const& seat) {
+        RealOf<T> const weight = fill(seat);
+        seat.wait();
+        auto const [from, to] = seat.share(0, z.size() + 1, 8);
+        lengths.add_rows(weight, block.view(), from, to);
+        seat.wait();
+        Truth<T> const in_range = lengths.products_in_range(weight, block.view(), others);
+        seat.wait();
+        reflect_panels_into<T, N>(weight, L, z, block, in_range, others, seat);
+    });
+}
+}  // namespace detail
+
+/// Folds weighted_rows of psi and y into [R z]. `block` is workspace.
+template <Scalar T, int N, class Lengths>
+void fold_rows(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths,
+               Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, RealOf<T> const& root,
+               FurtherSides<T> const& further) {
+    detail::fold<T, N>(L, z, block, lengths, y.size(), further.z,
+                       [&](detail::Seat const& seat) { return weighted_rows<T>(psi, y, root, block, further, seat); });
+}
+/// Folds the d rows of another [R z], which stand for `rows` rows, into root^rows [R z].
+template <Scalar T, int N, class Lengths>
+void fold_triangle(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths,
+                   StateMatrix<T, N> const& other_L, StateVector<T, N> const& other_z, RealOf<T> const& root,
+                   Index rows, FurtherSides<T> const& further) {
+    Index const d = z.size();
+    detail::fold<T, N>(L, z, block, lengths, d, further.z, [&](detail::Seat const& seat) {
+        if (seat.i == 0) {
+            block.view().leftCols(d + 1) << Matrix<T>(other_L.view().transpose()), other_z.view();
+            for (std::size_t j = 0; j < further.z.size(); ++j)
+                std::copy_n(further.y[j], d, block.view().col(d + 1 + Index(j)).data());
+        }
+        return detail::power(root, rows);
+    });
 }
 
 /// The same for the one row [x' eta], going along the rows of R. x becomes the v_i, tau the tau_i, eta the reflected

@@ -13,7 +13,7 @@ struct PanelAtWork {
 
     [[gnu::always_inline]] explicit PanelAtWork(ReflectPanel<T> const& panel)
         : h(panel), count(int(std::min<Index>(most, h.columns - 1))),
-          turned(h.columns <= count + most ? int(h.columns) : count) {}
+          turned(h.leaves_columns() ? count : int(h.columns)) {}
     [[gnu::always_inline]] T* column(Index j) const { return h.A + j * h.ld; }
     /// What stands above column j in the row of reflection q.
     [[gnu::always_inline]] T& above(Index q, Index j) const {
@@ -209,11 +209,11 @@ template <class P, int C, class T>
 
 /// (3) to (5) for C columns from j on; then for the others, C by C, then fewer.
 template <class P, int C, class T>
-[[gnu::always_inline]] inline void reach_columns(PanelAtWork<T> const& panel, T const (&G)[8][8], Index n, Index j) {
+[[gnu::always_inline]] inline void reach_columns(PanelAtWork<T> const& panel, T const (*G)[8], Index n, Index j) {
     using Register = typename P::Register;
     constexpr int registers = 8 / P::width;
     ReflectPanel<T> const& h = panel.h;
-    for (; j + C <= h.columns + h.others; j += C) {
+    for (; j + C <= h.to; j += C) {
         alignas(64) T t[C][8];
         products<P, C>(h.V, panel.column(j), h.ld, n, t);
         for (int c = 0; c < C; ++c) {
@@ -264,6 +264,18 @@ template <class P, class T>
     Index const n = padded<T, Dynamic>(h.rows);
     PanelAtWork<T> panel(h);
     int const count = panel.count;
+    T(*const G)[8] = reinterpret_cast<T(*)[8]>(h.V + 8 * n);
+    auto const make_V = [&] {
+        turn_into_rows<P>(h.A, h.ld, n, h.V);
+        for (int q = 0; q < 8; q += 2)
+            products<P, 2>(h.V, panel.column(q), h.ld, n, *reinterpret_cast<T(*)[2][8]>(G[q]));
+    };
+    using Part = typename ReflectPanel<T>::Part;
+    if (h.part == Part::columns || h.part == Part::more_columns) {
+        std::copy_n(h.kept, 8, panel.beta), std::copy_n(h.kept + 8, 8, panel.pivot);
+        if (h.part == Part::columns) make_V();
+        return reach_columns<P, most_columns>(panel, G, n, h.from);
+    }
     pass_from_next<P, abreast, false>(panel, -1, n);
     for (int q = 0; q < count; ++q) {
         panel.turn(q);
@@ -281,8 +293,10 @@ template <class P, class T>
             [&](T const& by, T const* x, T* a) {
                 for (Index k = 0; k < n; k += P::width) P::store(a + k, P::load(a + k) - by * P::load(x + k));
             });
-    turn_into_rows<P>(h.A, h.ld, n, h.V);
-    alignas(64) T G[8][8];
-    for (int q = 0; q < 8; q += 2) products<P, 2>(h.V, panel.column(q), h.ld, n, *reinterpret_cast<T(*)[2][8]>(G[q]));
-    reach_columns<P, most_columns>(panel, G, n, 8);
+    if (h.part == Part::pivots) {
+        std::copy_n(panel.beta, 8, h.kept), std::copy_n(panel.pivot, 8, h.kept + 8);
+    } else {
+        make_V();
+        reach_columns<P, most_columns>(panel, G, n, 8);
+    }
 }
