@@ -36,7 +36,7 @@ Strided<T> strided(StateMatrix<T, N>& A) {
 /// ((I - K X')P(I - K X')' + K Lambda K') / lambda^k for any K. Sums are kernels::SubtractProduct's; (3) and (4) go by
 /// panels of 16 columns. P is read in full; (6) computes its lower triangle. 2 d^2 k + 3 d k^2 + k^3 / 6 + 2 d k m
 /// multiplications, (3 d + k + m) k numbers of workspace. Allocates where no block was as large.
-template <Field T>
+template <Scalar T>
 class BlockGain {
     using Seat = detail::Seat;
     static constexpr Index panel = 16;

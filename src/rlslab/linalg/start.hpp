@@ -108,6 +108,16 @@ void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVec
         D = factor.D;
         return;
     }
+    if constexpr (Hardware<T>) {
+        if (!problem.prior->covariance) {  // what follows makes of U = I, without d^2 numbers and d^3 / 6 products
+            for (Index j = 0; j < d; ++j) {
+                D[j] = T(1) / problem.prior->variance;
+                L(j, j) = T(1);
+                std::fill_n(L.column(j) + j + 1, d - j - 1, -T(0));
+            }
+            return;
+        }
+    }
     StateMatrix<T, N> U(d);
     start_ud(problem, U, D);
     for (Index j = 0; j < d; ++j) D[j] = RealOf<T>(1) / D[j];
