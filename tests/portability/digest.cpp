@@ -12,6 +12,7 @@
 // lowest first, h = (m h + b) mod 4294967291 from 1 on, for m = 257 and for m = 65599: a language without integers of
 // 64 bits has them in binary64. One NaN for all.
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
@@ -133,10 +134,35 @@ void everything(Index size) {
     for (std::byte const byte : state_of(filter)) out.add(byte);
     out.print(name_of_type<F>() + " " + std::to_string(size));
 }
+/// Three outputs: 20 rows, then blocks of 40 rows where F takes them.
+template <class F>
+void three_outputs() {
+    using T = typename F::scalar;
+    MultiOutput<F> filter(problem_as<T>({.size = 24, .forgetting = 0.98}), 3);
+    Seed seed{3};
+    auto const drawn = [&](Index rows, Index columns) {
+        Matrix<T> out(rows, columns);
+        for (T& x : out.reshaped()) x = round_to<T>(seed.bell());
+        return out;
+    };
+    for (int k = 0; k < 20; ++k) {
+        Vector<T> const psi = drawn(24, 1), y = drawn(3, 1);
+        filter.update(psi, y);
+    }
+    if constexpr (requires { filter.update_block(drawn(24, 40), drawn(40, 3)); })
+        for (int k = 0; k < 2; ++k) {
+            Matrix<T> const X = drawn(24, 40), Y = drawn(40, 3);
+            filter.update_block(X, Y);
+        }
+    Hash out;
+    for (std::byte const byte : state_of(filter)) out.add(byte);
+    out.print(name_of_type<F>() + " outputs");
+}
 template <class T>
 void everything_in() {
     for_each(Variants<T>{}, []<class F>() {
         for (Index const size : {1, 3, 5, 10, 24}) everything<F>(size);
+        if constexpr (requires { typename MultiOutput<F>; }) three_outputs<F>();
     });
 }
 void lanes() {

@@ -3,6 +3,8 @@
 
 #include <rlslab/adapt/time_update.hpp>
 
+#include <utility>
+
 namespace rlslab::detail {
 
 /// theta and the gain of f in `out`, which has its size; without the heap, also of a variant that solves for them.
