@@ -126,6 +126,7 @@ struct Saved {
     std::string_view variant, arithmetic;
     Options options = {};  ///< but control_numbers
     std::vector<double> control_numbers = {};
+    Index outputs = 0;  ///< of several (native/outputs.hpp); 0: the state is of a filter
 };
 Saved saved(std::span<std::byte const> state);
 /// A filter made so, gone on from the state: as the one that was saved, bit for bit, until `reset`, which starts with

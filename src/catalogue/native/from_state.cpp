@@ -53,7 +53,7 @@ class Reader {
             out_.control_numbers.assign(control_->parameters.size(), Options::unset);
         } else if (name == "fleet") {
             refuse("the state is of a fleet: one of as many filters of that size takes it (restore, load)");
-        } else if (name != "guard" && name != "window" && name != "certified" &&
+        } else if (name != "guard" && name != "window" && name != "certified" && name != "outputs" &&
                    std::ranges::find(variants(), name) == variants().end()) {
             refuse("the state is one of \"" + printable(name) + "\" around " + std::string(out_.variant) +
                    ", which no filter by name has");
@@ -87,6 +87,7 @@ public:
         if (control_) control_option(name, entry.value);
         else if (layer_ == "guard") guard_option(name, entry.value);
         else if (layer_ == "certified" && name == "probes") out_.options.certify = probes_in(entry.value);
+        else if (layer_ == "outputs" && name == "outputs") out_.outputs = rows_in(entry.value, bytes_);
         else if (layer_ == "window" && name == "rows") out_.options.window = rows_in(entry.value, bytes_);
     }
     /// The policy with these actions.
@@ -102,6 +103,7 @@ public:
 };
 
 std::unique_ptr<Filter> made(Saved const& saved) {
+    if (saved.outputs > 0) refuse("the state is of several outputs: as many of that variant and size take it (load)");
     Options options = saved.options;
     options.control_numbers = saved.control_numbers;
     return make(saved.variant, saved.arithmetic, options);

@@ -3,6 +3,7 @@
 #include <rlslab/catalogue/native/makers.hpp>
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/many/threads.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <algorithm>
@@ -98,6 +99,16 @@ template <class T>
 Problem<T> problem_in(Problem<double> const& problem) {
     return problem.mapped<T>([](double x) { return T(x); });
 }
+/// What a plain variant is made from.
+Problem<double> problem_of_plain(std::string_view variant, std::string_view arithmetic, Options const& options,
+                                 char const* what) {
+    expect_one_of(variants(), variant, "variant");
+    expect_one_of(arithmetics(), arithmetic, "arithmetic");
+    Problem<double> const problem = problem_of(options);
+    if (!composition_of(options, problem).empty())
+        refuse(std::string("expected ") + what + " of a plain variant: no guard, window, control or probes");
+    return problem;
+}
 template <class T>
 std::unique_ptr<Filter> made(std::string_view variant, Options const& options) {
     Problem<double> const problem = problem_of(options);
@@ -162,15 +173,23 @@ std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmet
 
 std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
                                   Options const& options) {
-    expect_one_of(variants(), variant, "variant");
-    expect_one_of(arithmetics(), arithmetic, "arithmetic");
-    Problem<double> const problem = problem_of(options);
-    expects(composition_of(options, problem).empty(), "a fleet of plain variants: no guard, window, control or probes");
+    Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "a fleet");
     auto out = arithmetic == ArithmeticTraits<float>::name
                    ? fleet_named<float>(variant, filters, problem_in<float>(problem))
                    : fleet_named<double>(variant, filters, problem);
     if (!out) refuse(std::string(variant) + " counts the rows of all filters at once: there is no fleet of it");
     return out;
 }
+std::unique_ptr<Outputs> make_outputs(std::string_view variant, std::string_view arithmetic, Index outputs,
+                                      Options const& options) {
+    Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "several outputs");
+    auto out = arithmetic == ArithmeticTraits<float>::name
+                   ? outputs_named<float>(variant, outputs, problem_in<float>(problem))
+                   : outputs_named<double>(variant, outputs, problem);
+    if (!out)
+        refuse(std::string(variant) + " has one output; all other variants but kalman and extended_qr take several");
+    return out;
+}
+void use_threads(Index threads) { rlslab::use_threads(threads); }
 
 }  // namespace rlslab::native

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/catalogue/native/filter.hpp>
+#include <rlslab/catalogue/native/outputs.hpp>
 #include <rlslab/core/problem.hpp>
 #include <rlslab/state/state_format.hpp>
 
@@ -27,5 +28,7 @@ std::unique_ptr<Filter> filter_of(std::function<AnyAdaptive<T>()> const& make);
 /// Null where there is none. For float and double.
 template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const&);
+template <class T>
+std::unique_ptr<Outputs> outputs_named(std::string_view variant, Index outputs, Problem<T> const&);
 
 }  // namespace rlslab::native
