@@ -34,11 +34,11 @@ rlslab_status guarded(Body&& body, rlslab_status refused = RLSLAB_INVALID) noexc
     }
 }
 
-/// What a filter, or a fleet of so many, is made from.
+/// What a filter, or a fleet of so many, or one of so many outputs is made from.
 struct Request {
     char const *variant, *arithmetic;
     rlslab_options const* options;
-    std::size_t filters = 1;
+    std::size_t filters = 1, outputs = 1;
 
     /// Whether no pointer is null, and the options are this version's.
     rlslab_status readable() const noexcept;

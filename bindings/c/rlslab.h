@@ -157,6 +157,46 @@ size_t rlslab_fleet_state_size(rlslab_fleet const* fleet);  // bytes, 0 of null
 rlslab_status rlslab_fleet_save(rlslab_fleet const* fleet, void* to, size_t room);
 rlslab_status rlslab_fleet_load(rlslab_fleet* fleet, void const* from, size_t bytes);
 
+// m outputs of one regressor: one P and one gain for all, whatever the noise of each. Of plain variants, all but kalman
+// and extended_qr: no guard, window or control.
+typedef struct rlslab_outputs rlslab_outputs;
+rlslab_status rlslab_outputs_new(char const* variant, char const* arithmetic, size_t outputs,
+                                 rlslab_options const* options, rlslab_outputs** out);
+rlslab_status rlslab_outputs_copy(rlslab_outputs const* filter, rlslab_outputs** out);
+void rlslab_outputs_free(rlslab_outputs* filter);            // or null
+rlslab_status rlslab_outputs_reset(rlslab_outputs* filter);  // as it was made, with as many outputs as now
+size_t rlslab_outputs_size(rlslab_outputs const* filter);    // d; 0 of null
+size_t rlslab_outputs_count(rlslab_outputs const* filter);   // m; 0 of null
+// One row: d and m numbers. steps: room for m, or null. A y that is not finite: the row is lost for all outputs and its
+// time passes; a psi that is not spoils all.
+rlslab_status rlslab_outputs_update(rlslab_outputs* filter, double const* psi, double const* y, rlslab_step* steps);
+rlslab_status rlslab_outputs_update_f32(rlslab_outputs* filter, float const* psi, float const* y, rlslab_step* steps);
+// Many rows, the oldest first: row k is d numbers from X + k * X_stride (0: d) and m from Y + k * Y_stride (0: m).
+// qr_block takes 256 at a time and joseph_rank_two 64, X where it stands if it is of the filter's arithmetic; the
+// others row by row. A number that is not finite: INVALID, the message names the row, and none was taken. leave_out
+// other than 0: such rows are left out, as if they had never come, bit for bit. 0 rows: the pointers may be null.
+rlslab_status rlslab_outputs_update_many(rlslab_outputs* filter, double const* X, size_t X_stride, double const* Y,
+                                         size_t Y_stride, size_t rows, int leave_out);
+rlslab_status rlslab_outputs_update_many_f32(rlslab_outputs* filter, float const* X, size_t X_stride, float const* Y,
+                                             size_t Y_stride, size_t rows, int leave_out);
+// `more` outputs behind the last, as if their y had been 0 in all rows so far. INVALID where theta0 is not 0.
+rlslab_status rlslab_outputs_add(rlslab_outputs* filter, size_t more);
+// The rows of `newer`, made without a prior (prior_variance 0), behind those taken. ABILITY but of qr_block.
+rlslab_status rlslab_outputs_merge(rlslab_outputs* filter, rlslab_outputs const* newer);
+rlslab_status rlslab_outputs_theta(rlslab_outputs const* filter, double* out);  // d x m, by rows: out[i * m + j]
+// P, or P^-1, and F with F F' equal to it, of the variants that store a root (of qr_block F = R'); else ABILITY.
+rlslab_status rlslab_outputs_covariance(rlslab_outputs const* filter, double* out);
+rlslab_status rlslab_outputs_information(rlslab_outputs const* filter, double* out);
+rlslab_status rlslab_outputs_factor(rlslab_outputs const* filter, double* out);
+int32_t rlslab_outputs_health(rlslab_outputs const* filter);     // of the last row, or block of rows; -1 of null
+int64_t rlslab_outputs_left_out(rlslab_outputs const* filter);   // rows since it was made, reset or loaded; -1 of null
+size_t rlslab_outputs_state_size(rlslab_outputs const* filter);  // bytes, 0 of null
+rlslab_status rlslab_outputs_save(rlslab_outputs const* filter, void* to, size_t room);
+rlslab_status rlslab_outputs_load(rlslab_outputs* filter, void const* from, size_t bytes);
+// So many threads, 1 to 1024, share the work on a block of rows from now on, in all filters; 1 at the start. The bits
+// are the same. While no filter is at work.
+rlslab_status rlslab_use_threads(size_t threads);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,6 +5,7 @@
 //   digest save DIR     also saves the states after 500 rows: DIR/VARIANT.ARITHMETIC
 //   digest load DIR     starts from those states
 //   digest composed DIR saves states of compositions after 100 rows; theta after 200
+//   digest outputs      20 rows and 600 more at once of three outputs: theta by rows, and the state
 //   digest all          300 rows, more arithmetics and sizes: every step and report, and the state
 //
 // Rows: s = (1664525 s + 1013904223) mod 2^32 from s = 1 on, and each number is floor(s / 2^8) / 2^23 - 1: five of psi,
@@ -115,6 +116,33 @@ void composed(F filter, std::string const& folder, std::string const& name) {
 }
 
 template <class F>
+void several_outputs() {
+    using T = typename F::scalar;
+    MultiOutput<F> filter(Problem<T>{.size = d, .forgetting = T(0.9921875)}, 3);
+    Numbers numbers;
+    Matrix<T> X(d, 620), Y(3, 620);
+    for (Index k = 0; k < X.cols(); ++k) {
+        for (Index i = 0; i < d; ++i) X(i, k) = T(numbers.next());
+        for (Index j = 0; j < 3; ++j) Y(j, k) = T(numbers.next());
+    }
+    auto const row = [&](Index k) { filter.update(X.col(k), Y.col(k)); };
+    for (Index k = 0; k < 20; ++k) row(k);
+    Index at_once = 64;
+    if constexpr (TakesBlocks<F>) at_once = F::block;
+    for (Index k = 20; k < 620; k += at_once) {
+        Index const count = std::min(at_once, 620 - k);
+        if constexpr (requires { filter.update_block(X, Y); })
+            filter.update_block(X.middleCols(k, count), Y.middleCols(k, count).transpose());
+        else
+            for (Index i = k; i < k + count; ++i) row(i);
+    }
+    Hash hash;
+    hash.add(filter.theta().transpose());
+    for (std::byte const byte : state_of(filter)) hash.add(byte);
+    hash.print(name_of_type<F>());
+}
+
+template <class F>
 void everything(Index size) {
     using T = typename F::scalar;
     F filter(problem_as<T>({.size = size, .forgetting = 0.98}));
@@ -203,6 +231,12 @@ int main(int count, char** arguments) {
             Guarded<Forgetting<Carlson<double>, Kulhavy<double>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
             folder, "ruled");
         composed(Forgetting<Qr<double>, Fortescue<double>>(p, {.noise_variance = 1e-6}), folder, "fortescue");
+    } else if (verb == "outputs") {
+        auto const left_by = []<class F>() {
+            if constexpr (requires { typename MultiOutput<F>; }) several_outputs<F>();
+        };
+        for_each(Variants<float>{}, left_by);
+        for_each(Variants<double>{}, left_by);
     } else {
         int code = 0;
         for_each(Variants<float>{}, [&]<class F>() { code |= after_1000_rows<F>(verb, folder); });
