@@ -22,7 +22,7 @@ sections = [
                               "CaoSchwartz RotatingRidge CovarianceReset RandomWalk")]),
     ("Other layers", [("src/rlslab/adapt/weighted.hpp", "Weighted"),
                       ("src/rlslab/adapt/outputs.hpp",
-                       "MultiOutput MissingOutput"), ("src/rlslab/adapt/assessed.hpp",
+                       "MultiOutput MissingOutput UnusableRows"), ("src/rlslab/adapt/assessed.hpp",
                        "Assessed AssessedOptions Interval"),
                       ("src/rlslab/adapt/certified.hpp", "Certified Certificate"),
                       ("src/rlslab/adapt/delay_line.hpp", "DelayLine"),
@@ -39,7 +39,8 @@ sections = [
                                  ("src/rlslab/many/fleet_steps.hpp", "FleetSteps FleetCounts"),
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
-    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate")]),
+    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate"),
+                 ("src/catalogue/native/outputs.hpp", "Outputs")]),
     ("A study of your own", [("src/lab/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
                               "Verdict Judgement ()"), ("src/lab/engine/table.hpp", "Table ()"),
                              ("src/lab/engine/judgements.hpp", "Estimate ()"),
@@ -48,7 +49,7 @@ sections = [
 left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords LaneRows LaneRecord RowsFromTo MpiRanks Encoding FilterEach SharedFilter
-OfOneRegressor NoProbes ProbeOf Probes OlderZ ProbedForm CovarianceTimes
+OfOneRegressor NoProbes ProbeOf Probes OlderZ ProbedForm CovarianceTimes Meeting
 """.split()
 
 

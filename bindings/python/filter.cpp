@@ -181,14 +181,12 @@ PyObject* update_many(PyObject* self, PyObject* const* args, Py_ssize_t n) {
     Py_ssize_t rows = 0;
     if (ok) {
         char const kind = views->psi.kind();
-        bool const fits = kind && kind == views->y.kind() && P.ndim == 2 && P.shape[1] == d && views->psi.aligned() &&
-                          (d < 2 || P.strides[1] == P.itemsize) && views->y.is_vector(P.shape[0]) &&
-                          (P.shape[0] < 2 || P.strides[0] >= d * P.itemsize) &&
+        bool const fits = views->psi.is_rows(d) && kind == views->y.kind() && views->y.is_vector(P.shape[0]) &&
                           (!views->steps.buffer.obj || views->steps.buffer.len == P.shape[0] * Py_ssize_t(sizeof last));
         if (!fits) PyErr_SetString(PyExc_ValueError, "Psi, y and steps do not fit together");
         ok = fits && native_of<Filter>(self);
         rows = ok ? P.shape[0] : 0;
-        Py_ssize_t const stride = rows > 1 ? P.strides[0] / P.itemsize : d;
+        Py_ssize_t const stride = ok ? views->psi.row_stride() : d;
         Step* const steps = static_cast<Step*>(views->steps.buffer.buf);
         if (rows > 0)
             ok = without_lock<Filter>(self, [&](Filter& f) {

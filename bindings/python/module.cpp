@@ -1,6 +1,7 @@
 // rlslab._core: the module of the extension. What people call is the package around it (bindings/python/rlslab).
 #include "bindings/python/make.hpp"
 
+#include <rlslab/catalogue/native/outputs.hpp>
 #include <rlslab/core/files.hpp>
 
 #include <cerrno>
@@ -54,7 +55,7 @@ PyObject* save(PyObject*, PyObject* args) {
     return PyErr_SetFromErrnoWithFilenameObject(PyExc_OSError, path);
 }
 /// (variant, arithmetic, size, window, guard, control, its numbers, the guard's four numbers, noise_memory,
-/// rebuild_rows, certify) of the filter that a state is of; NaN: a default.
+/// rebuild_rows, certify, outputs or 0) of the filter that a state is of; NaN: a default.
 PyObject* saved(PyObject*, PyObject* bytes) {
     View view;
     if (!view.of(bytes, PyBUF_SIMPLE)) return nullptr;
@@ -71,9 +72,19 @@ PyObject* saved(PyObject*, PyObject* bytes) {
     PyObject* const numbers = PyTuple_New(Py_ssize_t(found.control_numbers.size()));
     for (std::size_t i = 0; numbers && i < found.control_numbers.size(); ++i)
         PyTuple_SetItem(numbers, Py_ssize_t(i), PyFloat_FromDouble(found.control_numbers[i]));
-    return Py_BuildValue("(NNnnNNN(dddd)nnn)", text(found.variant), text(found.arithmetic), o.size, o.window,
+    return Py_BuildValue("(NNnnNNN(dddd)nnnn)", text(found.variant), text(found.arithmetic), o.size, o.window,
                          text(o.guard), text(o.control), numbers, o.largest_variance, o.innovation, o.least_noise,
-                         o.asymmetry, o.noise_memory, o.rebuild_rows, o.certify);
+                         o.asymmetry, o.noise_memory, o.rebuild_rows, o.certify, found.outputs);
+}
+PyObject* use_threads(PyObject*, PyObject* number) {
+    Py_ssize_t const threads = PyLong_AsSsize_t(number);
+    if (threads == -1 && PyErr_Occurred()) return nullptr;
+    try {
+        native::use_threads(threads);
+    } catch (std::exception const&) {
+        return raise(std::current_exception());
+    }
+    Py_RETURN_NONE;
 }
 
 PyMethodDef functions[] = {
@@ -89,6 +100,10 @@ PyMethodDef functions[] = {
     {"signals", words<native::name_of_signal, 6>, METH_NOARGS, nullptr},
     {"saved", saved, METH_O, nullptr},
     {"save", save, METH_VARARGS, nullptr},
+    {"use_threads", use_threads, METH_O,
+     "use_threads(threads, /)\n--\n\nFrom now on so many threads, 1 to 1024, share the work on a block of rows of "
+     "`rlslab.Outputs`, in all of\nthem; 1 at the start. The bits are the same. Call it while none is at work.\n\n"
+     ">>> rlslab.use_threads(1)"},
     {"use", use, METH_VARARGS, nullptr},
     {nullptr, nullptr, 0, nullptr}};
 PyModuleDef definition{
@@ -108,8 +123,11 @@ PyObject* PyInit__core() {
         char const* name;
         PyObject* (*make)();
     };
-    for (Type const type :
-         {Type{"Filter", filter_type}, {"Fleet", fleet_type}, {"Step", step_type}, {"Counts", counts_type}}) {
+    for (Type const type : {Type{"Filter", filter_type},
+                            {"Fleet", fleet_type},
+                            {"Outputs", outputs_type},
+                            {"Step", step_type},
+                            {"Counts", counts_type}}) {
         PyObject* const made = type.make();  // kept for ever: one reference is the extension's
         ok = ok && made && PyModule_AddObjectRef(module, type.name, made) == 0;
     }

@@ -49,6 +49,16 @@ struct View {
         return kind() && buffer.ndim == 1 && buffer.shape[0] == n && aligned() &&
                (n < 2 || buffer.strides[0] == buffer.itemsize);
     }
+    /// Whether it is rows of n numbers, each one after another, and the rows in order.
+    bool is_rows(Py_ssize_t n) const {
+        return kind() && buffer.ndim == 2 && buffer.shape[1] == n && aligned() &&
+               (n < 2 || buffer.strides[1] == buffer.itemsize) &&
+               (buffer.shape[0] < 2 || buffer.strides[0] >= n * buffer.itemsize);
+    }
+    /// Numbers from one of them to the next.
+    Py_ssize_t row_stride() const {
+        return buffer.shape[0] > 1 ? buffer.strides[0] / buffer.itemsize : buffer.shape[1];
+    }
     template <class X>
     X* data() const {
         return static_cast<X*>(buffer.buf);
@@ -185,6 +195,7 @@ inline bool takes(char const* what, Py_ssize_t n, Py_ssize_t given) {
 /// The types of the module; each returns a new reference, or null with Python's error set.
 PyObject* filter_type();
 PyObject* fleet_type();
+PyObject* outputs_type();
 PyObject* step_type();
 PyObject* counts_type();
 /// Whoever makes rows of what is not an array or a list: called with (psi, d), returns an array of d numbers.

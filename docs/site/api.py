@@ -147,7 +147,8 @@ def python_page(headers):
            "`the Python page <../docs/python.html>`__. The class of each variant (``rlslab.Ud`` ...) takes the "
            "options of ``rlslab.Filter`` and has the formulas of `its page <../variants/index.html>`__ as its "
            "docstring.", "", *python_classes(headers)]
-    for name, title in (("_filter", "Filters"), ("__init__", "By name"), ("fleet", "Fleets"), ("_compare", "Compare"),
+    for name, title in (("_filter", "Filters"), ("_stateful", "States and copies"), ("__init__", "By name"),
+                        ("fleet", "Fleets"), ("outputs", "Several outputs"), ("_compare", "Compare"),
                         ("_certified", "Certified"), ("_identify", "Identify"), ("_studies", "Studies"),
                         ("results", "Statistics of a record"), ("sklearn", "scikit-learn")):
         tree = ast.parse((package / f"{name}.py").read_text())

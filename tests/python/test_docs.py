@@ -61,11 +61,12 @@ def test_the_examples_of_results(examples):
     assert run(inspect.getdoc(RecursiveLS), "RecursiveLS", examples) == 5
 
 
-def test_the_examples_of_the_estimator(examples):
+def test_the_examples_of_the_estimators(examples):
     pytest.importorskip("sklearn")
-    from rlslab.sklearn import RLSRegressor
+    from rlslab.sklearn import RLSClassifier, RLSRegressor
 
     assert run(inspect.getdoc(RLSRegressor), "RLSRegressor", examples) == 4
+    assert run(inspect.getdoc(RLSClassifier), "RLSClassifier", examples) == 3
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -27,6 +27,10 @@ g: rlslab.Ud = f.copy()
 h: rlslab.Filter = rlslab.filter("qr", 3, dtype="float32")
 fleet = rlslab.Fleet("ud", filters=3, size=2)
 missing: int = fleet.update(np.zeros((3, 2)), np.zeros(3))
+many = rlslab.Outputs("qr_block", 4, 2, prior_variance=None)
+words: str = many.update_many(np.zeros((3, 4)), np.zeros((3, 2)), unusable="leave_out") + many.copy().health
+predicted = np.zeros((3, 4)) @ many.theta
+rlslab.QrBlock(4, outputs=2)
 c: rlslab.Comparison = rlslab.compare(np.zeros((3, 4)), [1, 2, 3], digits=3, arithmetics="float32", control=("ridge",))
 again: rlslab.Filter = c.filter(guard="reset")
 names: list[str] = [str(record["variant"]) for record in c.records] + c.warnings
@@ -44,7 +48,7 @@ text: str = rlslab.cite("ud") + c.code + c.table() + m.summary()
 WRONG = """
 import rlslab
 
-f = rlslab.Ud(4, colour="red")
+f, _ = rlslab.Ud(4), rlslab.Ud(4, colour="red")
 f.theta = 3
 n: int = f.update([1.0], 2.0).health
 rlslab.Udd(3)

@@ -5,6 +5,7 @@
     step = f.update([1.0, 2.0, 0.5, 3.0], 0.7)    # Step(innovation, residual, gamma, health, signal)
     steps = f.update_many(Psi, y, steps=True)     # Psi (n, d); an array of steps
     f.theta, f.gain, f.covariance                 # psi @ f.theta predicts y
+    f = rlslab.QrBlock(4, outputs=3)              # y of 3 numbers; f.update_many(X, Y), f.theta (4, 3)
 
 From a file to a filter that skips bad rows and mends its P:
 
@@ -15,7 +16,7 @@ From a file to a filter that skips bad rows and mends its P:
     f.save("out.state")                           # later: f = rlslab.load("out.state")
 
 `help(rlslab.Filter)` has the options, `help(rlslab.Ud)` the formulas of a variant. `variants()`, `arithmetics()`,
-`guards()` and `controls()` list the names. `rlslab.sklearn` has an estimator for scikit-learn.
+`guards()` and `controls()` list the names. `rlslab.sklearn` has estimators for scikit-learn.
 
     rlslab.compare(Psi, y, digits=3)              # which variant, in which arithmetic; .best, .code, .filter()
     rlslab.identify(y, u)                         # a model with its uncertainty; .params, .bse, .conf_int()
@@ -32,13 +33,15 @@ from typing import Any
 from . import _options, _variants
 from ._certified import Certified, certified
 from ._compare import Comparison, compare
-from ._core import Counts, Step, controls, guards, variants
-from ._filter import HEALTHS, SIGNALS, STEP, Certificate, Filter, Path
+from ._core import Counts, Step, controls, guards, use_threads, variants
+from ._filter import HEALTHS, SIGNALS, STEP, Certificate, Filter
 from ._identify import Excitation, Identification, excitation, identify
+from ._stateful import Path
 from ._studies import Study, Sweep, cite, study, sweep
 from ._variants import *  # noqa: F403
 from ._variants import VERSION as __version__
 from .fleet import Fleet
+from .outputs import Outputs
 
 #: The class of each variant, by its name.
 CLASSES: dict[str, type[Filter]] = {c._variant: c for c in (getattr(_variants, n) for n in _variants.__all__)}
@@ -77,8 +80,8 @@ def arithmetics() -> tuple[str, ...]:
 def from_state(state: bytes) -> Filter:
     """The filter that a state is of, written here, by C++ or by C; it goes on with the same bits.
 
-    Variant, dtype, size, window, guard and control are the state's, and so are forgetting and prior, until `reset`
-    starts with their defaults.
+    It is an `Outputs` where the state is of several outputs. Variant, dtype, size, window, guard and control are the
+    state's, and so are forgetting and prior, until `reset` starts with their defaults.
 
     Raises
     ------
@@ -119,7 +122,8 @@ def load(path: Path) -> Filter:
 
 __all__ = [
     "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certificate", "Certified", "Comparison", "Counts", "Excitation", "Filter",
-    "Fleet", "Identification", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls",
-    "excitation", "filter", "from_state", "guards", "identify", "load", "study", "sweep", "variants",
+    "Fleet", "Identification", "Outputs", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare",
+    "controls", "excitation", "filter", "from_state", "guards", "identify", "load", "study", "sweep", "use_threads",
+    "variants",
     *_variants.__all__,
 ]  # fmt: skip

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import os
-import reprlib
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, NamedTuple, TypeVar, Union, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _core, _options, _rows
 from ._core import Counts, Step
+from ._stateful import Stateful
+from ._stateful import remade as _remade  # noqa: F401  where older pickles look for it
+
+if TYPE_CHECKING:
+    from .outputs import Outputs
 
 
 class Certificate(NamedTuple):
@@ -23,7 +26,6 @@ class Certificate(NamedTuple):
     definite: bool
 
 
-Path = Union[str, "os.PathLike[str]"]
 Self = TypeVar("Self", bound="Filter")
 
 #: What the health of a step can be. `steps["health"]` of `Filter.update_many` holds places in this tuple.
@@ -34,13 +36,11 @@ SIGNALS: tuple[str, ...] = _core.signals()
 STEP = np.dtype(
     [("innovation", "=f8"), ("residual", "=f8"), ("gamma", "=f8"), ("health", "=i4"), ("signal", "=i4")]
 )
-#: Counts up when what a pickle holds changes.
-PICKLE = 1
 
 _core.use(np.ndarray, _rows.SCALARS, _rows.row, _rows.output)
 
 
-class Filter(_core.Filter):
+class Filter(Stateful, _core.Filter):
     """Recursive least squares of one output: what the classes of all variants share.
 
     After k rows theta minimises
@@ -83,6 +83,9 @@ class Filter(_core.Filter):
     certify : int
         Random probes, 1 to 6, that follow every row in float64; True: 3; 0: none. `certificate` then shows how
         many digits of P and theta are left. The filter's bits stay. Not of `kalman`, `extended_qr` and `qr_block`.
+    outputs : int, optional
+        m outputs of one psi: what is made is an `rlslab.Outputs`. A plain variant: the options from `window` on are
+        left out.
     digits : int
         Of P, that the guard asks of the probes: a bound above 10^-digits at every 100th row is a breakdown, about which
         `guard` does what it does, "rebuild" from the last rows. 0: none. Not in `state`.
@@ -109,13 +112,43 @@ class Filter(_core.Filter):
     """
 
     __slots__ = ("_made",)
-    _made: dict[str, Any]
     _variant: ClassVar[str] = ""
 
+    @overload
     def __new__(
         cls: type[Self],
         size: int,
         *,
+        outputs: None = ...,
+        forgetting: float = ...,
+        prior_variance: float | None = ...,
+        prior_theta: ArrayLike | None = ...,
+        prior_covariance: ArrayLike | None = ...,
+        dtype: DTypeLike = ...,
+        window: int = ...,
+        guard: str | None = ...,
+        guard_options: Mapping[str, float] | None = ...,
+        control: _options.Control = ...,
+        certify: int = ...,
+        digits: int = ...,
+    ) -> Self: ...
+    @overload
+    def __new__(    # type: ignore[misc]
+        cls,
+        size: int,
+        *,
+        outputs: int,
+        forgetting: float = ...,
+        prior_variance: float | None = ...,
+        prior_theta: ArrayLike | None = ...,
+        prior_covariance: ArrayLike | None = ...,
+        dtype: DTypeLike = ...,
+    ) -> Outputs: ...
+    def __new__(
+        cls: type[Any],
+        size: int,
+        *,
+        outputs: int | None = None,
         forgetting: float = 1.0,
         prior_variance: float | None = 16384.0,
         prior_theta: ArrayLike | None = None,
@@ -127,14 +160,23 @@ class Filter(_core.Filter):
         control: _options.Control = None,
         certify: int = 0,
         digits: int = 0,
-    ) -> Self:
+    ) -> Any:
         if not cls._variant:
             raise TypeError("Filter is of no variant: rlslab.Ud(4), or rlslab.filter('ud', 4)")
+        if outputs is not None:
+            from .outputs import Outputs
+
+            if window or guard is not None or guard_options or control is not None or certify or digits:
+                raise ValueError("outputs= is of a plain variant: without window, guard, control, certify and digits")
+            return Outputs(
+                cls._variant, size, outputs, forgetting=forgetting, prior_variance=prior_variance,
+                prior_theta=prior_theta, prior_covariance=prior_covariance, dtype=dtype,
+            )  # fmt: skip
         arguments = _options.arguments(
             cls._variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, window, guard,
             guard_options, control, certify, digits,
         )  # fmt: skip
-        self = super().__new__(cls, *arguments)
+        self = _core.Filter.__new__(cls, *arguments)
         made = {
             "size": arguments[2],
             "forgetting": arguments[3],
@@ -285,44 +327,6 @@ class Filter(_core.Filter):
         return Certificate(*self._certificate())
 
     @property
-    def state(self) -> bytes:
-        """The state in the library's format: the same bytes in C++, in C and on every machine.
-
-        Examples
-        --------
-        >>> f = rlslab.Ud(2)
-        >>> _ = f.update([1.0, 2.0], 5.0)
-        >>> g = rlslab.Ud(2)
-        >>> g.restore(f.state)
-        >>> bool((g.theta == f.theta).all())
-        True
-        """
-        return self._state()
-
-    def restore(self, state: bytes) -> None:
-        """Go on from a state of the same variant, dtype, size, window, guard and control.
-
-        Raises
-        ------
-        ValueError
-            If the bytes are damaged, or of another filter; this one is then as it was.
-        """
-        self._load(state)
-
-    def save(self, path: Path) -> None:
-        """Write `state` to a file, which holds the old bytes or the new whenever the program ends.
-
-        A symbolic link stays, and what it names is replaced. A device or a pipe takes the bytes. OSError where it
-        cannot be written.
-        """
-        _core.save(path, self.state)
-
-    def load(self, path: Path) -> None:
-        """Go on from the state in a file: see `restore`. `rlslab.load` makes the filter, too."""
-        with open(path, "rb") as file:
-            self.restore(file.read())
-
-    @property
     def options(self) -> dict[str, Any]:
         """What the filter was made with, but for defaults: `type(f)(**f.options)` makes another.
 
@@ -330,31 +334,6 @@ class Filter(_core.Filter):
         """
         return dict(self._made)
 
-    def copy(self: Self) -> Self:
-        """A filter that goes on from here on its own, with the same bits."""
-        out = self._clone()
-        out._made = self._made
-        return out
-
-    __copy__ = copy
-
-    def __deepcopy__(self: Self, memo: dict[int, Any]) -> Self:
-        return self.copy()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _remade, (PICKLE, type(self), self._made, self.state)
-
     def __repr__(self) -> str:
         size, *rest = [repr(v) if k == "size" else f"{k}={v!r}" for k, v in self._made.items()]
         return f"{type(self).__name__}({', '.join([size, *rest])})"
-
-
-def _remade(version: int, made_of: type[Filter], options: dict[str, Any], state: bytes) -> Filter:
-    """A pickled filter. ValueError for a pickle of another version of this module, or a damaged one."""
-    if version != PICKLE:
-        raise ValueError(f"a pickle of version {reprlib.repr(version)}; this rlslab reads version {PICKLE}")
-    if not (isinstance(made_of, type) and issubclass(made_of, Filter) and isinstance(options, dict)):
-        raise ValueError("a damaged pickle of a filter")
-    out = made_of(**options)
-    out.restore(state)
-    return out

@@ -100,7 +100,7 @@ def guard_numbers(guard: str | None, options: Mapping[str, float] | None) -> tup
 
 def saved(state: bytes) -> tuple[str, dict[str, Any]]:
     """Variant and options of the filter that a state is of, without defaults."""
-    variant, arithmetic, size, window, guard, control, numbers, of_guard, *rows, certify = _core.saved(state)
+    variant, arithmetic, size, window, guard, control, numbers, of_guard, *rows, certify, outputs = _core.saved(state)
     dtype = next(name for name, called in ARITHMETICS.items() if called == arithmetic)
 
     def short(number: float) -> float | None:
@@ -115,6 +115,7 @@ def saved(state: bytes) -> tuple[str, dict[str, Any]]:
         "guard_options": {name: value for name, value in given if value is not None} or None,
         "control": (control, *map(short, numbers)) if numbers else control or None,
         "certify": certify,
+        "outputs": outputs or None,
     }
     return variant, {"size": size, **options}
 
@@ -144,13 +145,17 @@ def arguments(
     certify: int = 0,
     digits: int = 0,
     filters: int = 1,
+    outputs: int | None = None,
 ) -> tuple[Any, ...]:
-    """What `_core.Filter` and `_core.Fleet` are made with."""
+    """What `_core.Filter`, `_core.Fleet` and `_core.Outputs` are made with."""
     d = whole(size, "size")
     if d < 1:
         raise ValueError("expected size >= 1")
     rows, M = whole(window, "window"), whole(filters, "filters")
-    expect_memory(max(M, 1) * d * (d + max(rows, 0)))
+    m = 0 if outputs is None else whole(outputs, "outputs")
+    if outputs is not None and m < 1:
+        raise ValueError("expected outputs >= 1")
+    expect_memory(max(M, 1) * d * (d + max(rows, 0)) + d * m)
     variance = 0.0 if prior_variance is None else real(prior_variance, "prior_variance")
     if prior_variance is not None and not variance > 0:
         raise ValueError("expected prior_variance > 0, or None: no prior")
@@ -173,5 +178,5 @@ def arguments(
         rebuild,
         whole(certify, "certify") if certify is not True else 3,
         whole(digits, "digits"),
-        M,
+        m or M,
     )

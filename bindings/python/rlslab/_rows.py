@@ -63,11 +63,11 @@ def contiguous(array: Numbers) -> Numbers:
     return array if ready else np.require(array, requirements=["C", "A"])
 
 
-def row(psi: ArrayLike, size: int) -> Numbers:
+def row(psi: ArrayLike, size: int, name: str = "psi") -> Numbers:
     """psi as d contiguous numbers."""
-    array = numbers(psi, "psi")
+    array = numbers(psi, name)
     if array.shape != (size,):
-        raise ValueError(f"psi has shape {array.shape}, expected ({size},)")
+        raise ValueError(f"{name} has shape {array.shape}, expected ({size},)")
     return contiguous(array)
 
 
@@ -101,6 +101,19 @@ def block(Psi: ArrayLike, y: ArrayLike, size: int) -> tuple[Numbers, Numbers]:
     if P.dtype != v.dtype:
         P, v = P.astype(np.float64, copy=False), v.astype(np.float64, copy=False)
     return P if in_place(P) else contiguous(P), contiguous(v)
+
+
+def tables(X: ArrayLike, Y: ArrayLike, size: int, outputs: int) -> tuple[Numbers, Numbers]:
+    """Rows of regressors and of outputs, likewise."""
+    P, V = numbers(X, "X"), numbers(Y, "Y")
+    for array, name, columns in ((P, "X", size), (V, "Y", outputs)):
+        if array.ndim != 2 or array.shape[1] != columns:
+            raise ValueError(f"{name} has shape {array.shape}, expected (n, {columns})")
+    if len(P) != len(V):
+        raise ValueError(f"Y has {len(V)} rows, X {len(P)}")
+    if P.dtype != V.dtype:
+        P, V = P.astype(np.float64, copy=False), V.astype(np.float64, copy=False)
+    return P if in_place(P) else contiguous(P), V if in_place(V) else contiguous(V)
 
 
 def prior(given: ArrayLike | None, shape: tuple[int, ...], name: str) -> Numbers | None:

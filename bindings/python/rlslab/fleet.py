@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import reprlib
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _core, _options, _rows
+from ._stateful import Stateful
+from ._stateful import remade as _remade  # noqa: F401  where older pickles look for it
 
 Self = TypeVar("Self", bound="Fleet")
 
 
-class Fleet(_core.Fleet):
+class Fleet(Stateful, _core.Fleet):
     """M filters of one variant, size and prior, updated together in the lanes of vector instructions.
 
     Each filter computes the bits that it would compute alone.
@@ -46,7 +47,6 @@ class Fleet(_core.Fleet):
     """
 
     __slots__ = ("_made",)
-    _made: dict[str, Any]
 
     def __new__(
         cls: type[Self],
@@ -125,38 +125,5 @@ class Fleet(_core.Fleet):
         """Make one filter as it was made. IndexError where there is none of that number."""
         self._reset(which)
 
-    @property
-    def state(self) -> bytes:
-        """The state of all, in the library's format."""
-        return self._state()
-
-    def restore(self, state: bytes) -> None:
-        """Go on from the state of such a fleet. ValueError for other bytes; this one is then as it was."""
-        self._load(state)
-
-    def copy(self: Self) -> Self:
-        """A fleet that goes on from here on its own."""
-        out = self._clone()
-        out._made = self._made
-        return out
-
-    __copy__ = copy
-
-    def __deepcopy__(self: Self, memo: dict[int, Any]) -> Self:
-        return self.copy()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _remade, (1, type(self), self._made, self.state)
-
     def __repr__(self) -> str:
         return f"Fleet({self.variant!r}, filters={self.filters}, size={self.size})"
-
-
-def _remade(version: int, made_of: type[Fleet], options: dict[str, Any], state: bytes) -> Fleet:
-    if version != 1:
-        raise ValueError(f"a pickle of version {reprlib.repr(version)}; this rlslab reads version 1")
-    if not (isinstance(made_of, type) and issubclass(made_of, Fleet) and isinstance(options, dict)):
-        raise ValueError("a damaged pickle of a fleet")
-    out = made_of(**options)
-    out.restore(state)
-    return out

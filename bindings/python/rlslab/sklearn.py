@@ -1,4 +1,4 @@
-"""An estimator for scikit-learn."""
+"""Estimators for scikit-learn."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
-from sklearn.base import BaseEstimator, RegressorMixin  # type: ignore[import]
-from sklearn.utils.validation import check_is_fitted  # type: ignore[import]
+from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin  # type: ignore[import]
+from sklearn.exceptions import NotFittedError  # type: ignore[import]
+from sklearn.utils.multiclass import check_classification_targets  # type: ignore[import]
+from sklearn.utils.validation import check_is_fitted, column_or_1d  # type: ignore[import]
 
-from . import HEALTHS, SIGNALS, Filter, _options, _rows, filter
+from . import HEALTHS, SIGNALS, Filter, Outputs, _options, _rows, filter
 
 Self = TypeVar("Self", bound="RLSRegressor")
+Classifier = TypeVar("Classifier", bound="RLSClassifier")
 
 
-def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> Any:
+def _validated(estimator: Any, *given: Any, finite: bool = True, labels: bool = False, **how: Any) -> Any:
     """scikit-learn's look at X and y, a function from 1.6 on and a method before; in one line what it refuses."""
     try:
         from sklearn.utils.validation import validate_data
@@ -23,7 +26,7 @@ def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> 
         how["force_all_finite"], validate = finite, type(estimator)._validate_data
     else:
         how["ensure_all_finite"], validate = finite, validate_data
-    for name, part in zip("Xy", given):
+    for name, part in zip("X" if labels else "Xy", given):
         rows = part if isinstance(part, (list, tuple)) else ()
         if any(isinstance(one, np.ma.MaskedArray) and np.any(one.mask) for one in (part, *rows)):
             raise _rows.is_masked(name)
@@ -32,6 +35,8 @@ def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> 
             _rows.numbers(part, name)    # names the column that has none
     try:
         valid = validate(estimator, *given, **how)
+        if labels:
+            return valid
         if len(given) > 1:    # in float64: what is taken off y is not to round it
             valid = valid[0], _rows.numbers(valid[1], "y").astype(np.float64)
         if len(given) > 1 and valid[1].dtype.kind == "f" and not np.isfinite(valid[1]).all():    # of a None
@@ -46,7 +51,58 @@ def _validated(estimator: Any, *given: Any, finite: bool = True, **how: Any) -> 
         raise ValueError(f"{line.rstrip('.')}: leave such rows out{guard}") from None
 
 
-class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class _Linear(BaseEstimator):  # type: ignore[misc]
+    """What both estimators do: the filter's rows, and several outputs of them."""
+
+    filter_: Any
+    _first: NDArray[np.float64]    # the first row, and its y; 0 where no constant takes up what they leave out
+    _first_y: Any
+    coef_: NDArray[np.float64]
+    intercept_: Any
+
+    def _rows(self, X: NDArray[Any]) -> NDArray[Any]:
+        """The filter's rows: less the first one, so that an offset costs no digits, and a 1."""
+        rows = np.asarray(X, dtype=np.float64)
+        return np.column_stack([rows - self._first, np.ones(len(rows))]) if self.fit_intercept else rows
+
+    def _start_several(self, outputs: int) -> None:
+        if self.prior_variance == np.inf:
+            raise ValueError("expected a finite prior_variance, or None: no prior")
+        try:
+            self.filter_ = Outputs(
+                self.variant, self.n_features_in_ + bool(self.fit_intercept), outputs, forgetting=self.forgetting,
+                prior_variance=self.prior_variance, dtype=self.dtype,
+            )  # fmt: skip
+        except ValueError as error:
+            raise _with_advice(error) from None
+        self._first, self._first_y = np.zeros(self.n_features_in_), np.zeros(outputs)
+
+    def _take_several(self, X: NDArray[Any], Y: NDArray[Any], whole: bool) -> None:
+        health = self.filter_.update_many(self._rows(X), Y - self._first_y)
+        self._theta = self.filter_.theta.astype(np.float64)
+        theta = self._theta.T
+        self.coef_, self.intercept_ = theta[:, : self.n_features_in_], self._first_y
+        if self.fit_intercept:
+            self.intercept_ = self._first_y + theta[:, -1] - self.coef_ @ self._first
+        if health in ("nonfinite", "indefinite") or (whole and not np.isfinite(theta).all()):
+            raise ValueError(
+                f"n_samples = {len(X)}: the rows leave no theta of {self.filter_.size} parameters, health {health}: "
+                "leave out columns that depend on others or are constant, or give prior_variance (a ridge of 1 / "
+                "prior_variance)"
+            )
+
+    def _predicted(self, X: NDArray[Any]) -> NDArray[np.float64]:
+        """Of several outputs, shape (n, m)."""
+        out: NDArray[np.float64] = self._rows(X) @ self._theta + self._first_y
+        return out
+
+
+def _with_advice(error: ValueError) -> ValueError:
+    wanted = "; prior_variance gives one, qr needs none" if str(error).startswith("expected a prior:") else ""
+    return ValueError(f"{error}{wanted}")
+
+
+class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
     """Linear regression by recursive least squares: rows can come in parts, and old ones can be forgotten.
 
     There is no prior, so that no unit, offset or scale of the data changes the answer. The variants that can start so
@@ -66,16 +122,16 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     Attributes
     ----------
-    coef_ : ndarray of shape (n_features,)
+    coef_ : ndarray of shape (n_features,), or (m, n_features) of m columns of y
         NaN after `partial_fit` where the rows so far do not determine them.
-    intercept_ : float
+    intercept_ : float, or ndarray of shape (m,)
     n_features_in_ : int
     noise_variance_ : float
-        Of y about its prediction: the mean of gamma e^2 / (gamma + r lambda (1 - gamma)), e the innovation and r =
-        (1 + lambda^n) / (1 + lambda), over the rows taken, weighted as by `forgetting`, of a window the last. Rows that
-        a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which show
-        theta. NaN for too few rows.
-    filter_ : rlslab.Filter
+        Of y, one column, about its prediction: the mean of gamma e^2 / (gamma + r lambda (1 - gamma)), e the innovation
+        and r = (1 + lambda^n) / (1 + lambda), over the rows taken, weighted as by `forgetting`, of a window the last.
+        Rows that a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which
+        show theta. NaN for too few rows.
+    filter_ : rlslab.Filter, or rlslab.Outputs of several columns of y
         With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first.
 
     Examples
@@ -111,37 +167,58 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.fit_intercept = fit_intercept
 
     def fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Forget all and process these rows, the oldest first.
+        """Forget all and process these rows, the oldest first; y is of shape (n,), or (n, m).
 
         ValueError for data that are not finite, for rows that do not determine theta, and where theta is none that they
         determine: their squares overflow, or vanish, or a guard's own P outweighs them.
         """
-        rows, outputs = _validated(self, X, y, y_numeric=True, reset=True, finite=self.guard is None)
-        self._start()
-        self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole=True)
-        return self
+        return self._fitted(X, y, first=True, whole=True)
 
     def partial_fit(self: Self, X: ArrayLike, y: ArrayLike) -> Self:
         """Process these rows after those before.
 
         ValueError as of `fit`, but for rows that do not determine theta yet, or that a guard sets aside.
         """
-        first = not hasattr(self, "filter_")
-        rows, outputs = _validated(self, X, y, y_numeric=True, reset=first, finite=self.guard is None)
+        return self._fitted(X, y, first=not hasattr(self, "filter_"), whole=False)
+
+    def _fitted(self: Self, X: ArrayLike, y: ArrayLike, first: bool, whole: bool) -> Self:
+        rows, outputs = _validated(
+            self, X, y, y_numeric=True, multi_output=True, reset=first, finite=self.guard is None
+        )
+        if outputs.shape[1:] == (1,):
+            outputs = column_or_1d(outputs, warn=True)
+        several = outputs.ndim == 2
         if first:
-            self._start()
-        self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole=False)
+            self._start_several(outputs.shape[1]) if several else self._start()
+        elif several != isinstance(self.filter_, Outputs) or outputs.shape[1:] != self._first_y.shape:
+            raise ValueError(f"y has shape {outputs.shape}, not (n,) + {self._first_y.shape} as before")
+        if not several:
+            self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole)
+            return self
+        if first and (self.guard is not None or self.window or self.control is not None):
+            raise ValueError("several columns of y: without guard, window and control")
+        if first and self.fit_intercept:
+            self._first, self._first_y = rows[0].astype(np.float64), outputs[0]
+        self._take_several(rows, outputs, whole)
         return self
 
     def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
-        """X theta; with `return_std` also the standard deviation of y about it, noise and theta's error together."""
+        """X theta; with `return_std` also the standard deviation of y about it, noise and theta's error together.
+
+        Several columns of y have no `return_std`.
+        """
         check_is_fitted(self)
-        rows = self._rows(_validated(self, X, reset=False))
+        valid = _validated(self, X, reset=False)
+        if isinstance(self.filter_, Outputs):
+            if return_std:
+                raise ValueError("return_std is of one column of y")
+            return self._predicted(valid)
+        rows = self._rows(valid)
         mean = rows @ self.filter_.theta.astype(np.float64)    # less the first row's y
         if not return_std:
-            return mean + self._first[-1]
+            return mean + self._first_y
         along = np.array([self._along(row, y) for row, y in zip(rows, mean)])
-        return mean + self._first[-1], np.sqrt(self.noise_variance_ * (1 + self._share(self._n) * along))
+        return mean + self._first_y, np.sqrt(self.noise_variance_ * (1 + self._share(self._n) * along))
 
     def _expect_an_answer(self, X: NDArray[Any], y: NDArray[Any], steps: NDArray[np.void], whole: bool) -> None:
         """ValueError where theta is no number, or is not of these rows."""
@@ -160,7 +237,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         now = self.filter_.copy()
         if whole and self.window and self.guard is None:    # time would drop one of its rows: the same rows, all kept
             now = self._made(window=0)
-            now.update_many(self._rows(X[-self.window :]), y[-self.window :] - self._first[-1])
+            now.update_many(self._rows(X[-self.window :]), y[-self.window :] - self._first_y)
         after = now.pass_time().health    # the last step tells of the rows before it
         if whole and after == "undetermined":
             among = ", the constant among them" if self.fit_intercept else ""
@@ -194,7 +271,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def _along(self, psi: NDArray[Any], y: float) -> float:
         """psi'P psi, of the gain that this row would have: offsets and scales cost it no digits, as they do in P."""
         if self.control is None:
-            gamma = self.filter_.copy().update(psi, y).gamma    # 0: not determined
+            gamma = float(self.filter_.copy().update(psi, y).gamma)    # 0: not determined
             return self.forgetting * (1 / gamma - 1) if gamma > 0 else np.nan
         f = self.filter_
         return float(psi @ (f.covariance @ psi if f._reports_covariance else np.linalg.solve(f.information, psi)))
@@ -205,11 +282,6 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             return 1.0
         memory = np.minimum(n, self.window) if self.window else n
         return (1 + self.forgetting**memory) / (1 + self.forgetting)
-
-    def _rows(self, X: NDArray[Any]) -> NDArray[Any]:
-        """The filter's rows: less the first one, so that an offset costs no digits, and a 1."""
-        rows = np.asarray(X, dtype=np.float64)
-        return np.column_stack([rows - self._first[:-1], np.ones(len(rows))]) if self.fit_intercept else rows
 
     def _made(self, window: int) -> Filter:
         return filter(
@@ -224,18 +296,17 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         try:
             self.filter_ = self._made(self.window)
         except ValueError as error:
-            wanted = "; prior_variance gives one, qr needs none" if str(error).startswith("expected a prior:") else ""
-            raise ValueError(f"{error}{wanted}") from None
-        # The first row of numbers, and its y; 0 where no constant takes up what they leave out.
-        self._first = np.full(self.n_features_in_ + 1, np.nan if self.fit_intercept else 0.0)
+            raise _with_advice(error) from None
+        self._first = np.full(self.n_features_in_, np.nan if self.fit_intercept else 0.0)
+        self._first_y = np.float64(self._first[0])
         self._n, self._sum, self._weight = 0, 0.0, 0.0    # rows since the start; of the squares, and of their weights
         self._squares = np.empty(0)    # of the rows in the window
 
     def _process(self, X: NDArray[Any], y: NDArray[Any]) -> NDArray[np.void]:
         if not np.isfinite(self._first).all():
             k = np.argmax(np.isfinite(X).all(axis=1))
-            self._first = np.append(X[k], y[k]).astype(np.float64)
-        steps = self.filter_.update_many(self._rows(X), y - self._first[-1], steps=True)
+            self._first, self._first_y = X[k].astype(np.float64), np.float64(y[k])
+        steps: NDArray[np.void] = self.filter_.update_many(self._rows(X), y - self._first_y, steps=True)
         squares = self._squares_of(steps)
         if self.window:
             squares = self._squares = np.concatenate([self._squares, squares])[-self.window :]
@@ -249,7 +320,7 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.coef_ = theta[: self.n_features_in_]
         self.intercept_ = 0.0
         if self.fit_intercept:
-            self.intercept_ = float(self._first[-1] + theta[-1] - self._first[:-1] @ self.coef_)
+            self.intercept_ = float(self._first_y + theta[-1] - self._first @ self.coef_)
         return steps
 
     def _squares_of(self, steps: NDArray[np.void]) -> NDArray[np.float64]:
@@ -266,3 +337,114 @@ class RLSRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             self._sum, self._weight, self._squares = 0.0, 0.0, np.empty(0)
             taken &= k[1:] > begun[-1]
         return np.where(taken, steps["innovation"] * steps["residual"] / expected, np.nan)
+
+    def _more_tags(self) -> dict[str, bool]:
+        return {"multioutput": True}
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.target_tags.multi_output = True
+        return tags
+
+
+class RLSClassifier(ClassifierMixin, _Linear):  # type: ignore[misc]
+    """Classification by recursive least squares on 0 and 1: a column for each class, the largest score wins.
+
+    Rows can come in parts, and so can classes: one that appears later is as if its column had been 0 from the first row
+    on, exactly. There is no prior, as in `RLSRegressor`: columns that are constant or depend on others need one.
+
+    Parameters
+    ----------
+    variant : str
+        One of `rlslab.variants()`, but `kalman` and `extended_qr`. `qr_block` takes 256 rows at a time.
+    prior_variance : float or None
+        c^2 of P0 = c^2 I, a ridge of 1 / c^2 on all coefficients, the constant too. A variant other than `qr`,
+        `qr_block`, `gentleman` and `information` needs it.
+    forgetting, dtype
+        As of `rlslab.Filter`.
+    fit_intercept : bool
+        Whether a constant is estimated, too.
+
+    Attributes
+    ----------
+    classes_ : ndarray of shape (n_classes,)
+        Those seen so far, in order.
+    coef_ : ndarray of shape (n_classes, n_features)
+        NaN after `partial_fit` where the rows so far do not determine them.
+    intercept_ : ndarray of shape (n_classes,)
+    n_features_in_ : int
+    filter_ : rlslab.Outputs
+        Its outputs are the classes in the order in which they came.
+
+    Examples
+    --------
+    >>> from rlslab.sklearn import RLSClassifier
+    >>> model = RLSClassifier().partial_fit([[0.0], [1.0], [5.0], [6.0]], ["low", "low", "mid", "mid"])
+    >>> model.partial_fit([[10.0], [11.0]], ["high", "high"]).predict([[0.5], [10.5]])
+    array(['low', 'high'], dtype='<U4')
+    """
+
+    def __init__(
+        self,
+        variant: str = "qr_block",
+        *,
+        forgetting: float = 1.0,
+        prior_variance: float | None = None,
+        dtype: DTypeLike = "float64",
+        fit_intercept: bool = True,
+    ) -> None:
+        self.variant = variant
+        self.forgetting = forgetting
+        self.prior_variance = prior_variance
+        self.dtype = dtype
+        self.fit_intercept = fit_intercept
+
+    def fit(self: Classifier, X: ArrayLike, y: ArrayLike) -> Classifier:
+        """Forget all and process these rows. ValueError for data that are not finite or do not determine theta."""
+        return self._fitted(X, y, None, first=True, whole=True)
+
+    def partial_fit(self: Classifier, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Classifier:
+        """Process these rows after those before. `classes`: labels that later rows will have; none has to be named."""
+        return self._fitted(X, y, classes, first=not hasattr(self, "filter_"), whole=False)
+
+    def _fitted(
+        self: Classifier, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, first: bool, whole: bool
+    ) -> Classifier:
+        rows, labels = _validated(self, X, y, reset=first, labels=True)
+        check_classification_targets(labels)
+        there = np.unique(labels if classes is None else np.concatenate([np.asarray(classes), labels]))
+        known: NDArray[Any] = there[:0] if first else self._labels
+        if (known.dtype.kind in "OSU") != (there.dtype.kind in "OSU"):
+            raise ValueError(f"labels of {there.dtype} after labels of {known.dtype}")
+        new = np.setdiff1d(there, known)
+        if first:
+            self._start_several(len(new))
+            self._first = rows[0].astype(np.float64) if self.fit_intercept else self._first
+        elif len(new):
+            self.filter_.add_outputs(len(new))
+            self._first_y = np.zeros(len(known) + len(new))
+        self._labels: NDArray[Any] = np.concatenate([known, new])
+        self._order = np.argsort(self._labels)
+        self.classes_ = self._labels[self._order]
+        Y = np.zeros((len(labels), len(self._labels)))
+        Y[np.arange(len(labels)), self._order[np.searchsorted(self.classes_, labels)]] = 1
+        self._take_several(rows, Y, whole)
+        self.coef_, self.intercept_ = self.coef_[self._order], self.intercept_[self._order]
+        return self
+
+    def _scores(self, X: ArrayLike) -> NDArray[np.float64]:
+        check_is_fitted(self)
+        scores = self._predicted(_validated(self, X, reset=False))[:, self._order]
+        if not np.isfinite(scores).all():
+            raise NotFittedError("the rows so far do not determine theta: more rows, or prior_variance")
+        return scores
+
+    def decision_function(self, X: ArrayLike) -> NDArray[np.float64]:
+        """The scores, shape (n, n_classes); of two classes the second's less the first's, shape (n,)."""
+        scores = self._scores(X)
+        return scores[:, 1] - scores[:, 0] if scores.shape[1] == 2 else scores
+
+    def predict(self, X: ArrayLike) -> NDArray[Any]:
+        """The class of the largest score, the first of equal ones."""
+        best = self._scores(X).argmax(axis=1)
+        return np.asarray(self.classes_[best])
