@@ -33,7 +33,8 @@ template <class F, bool shows_form = false>
 class AroundFilter {
 protected:
     F filter_;
-    explicit AroundFilter(F filter) : filter_(std::move(filter)) {}  // one copy of a large F at a time
+    explicit AroundFilter(F const& filter) : filter_(filter) {}
+    explicit AroundFilter(F&& filter) : filter_(std::move(filter)) {}  // one copy of a large F at a time
 
 public:
     using scalar = typename F::scalar;
