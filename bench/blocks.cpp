@@ -1,10 +1,11 @@
-// Blocks of rows, many outputs: our forms beside OpenBLAS, LAPACK and GSL, on one thread, in turns.
+// Blocks of rows, many outputs: our forms beside OpenBLAS, LAPACK and GSL, in turns.
 //   rlslab_bench_blocks [--outputs M] [--blocks B] [--rounds N] [--gamma G] [--threads T] [SIZE...]
 //       a table for each size: microseconds a row, the median over the rounds and the range; beside that of P -= K G'
 //       in double; the share of OpenBLAS' rate of the products d x d by d x 256 that it reaches; digits of the first
 //       theta, beside double's Cholesky refined in long double
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/core/random.hpp>
+#include <rlslab/many/threads.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <Eigen/src/misc/blas.h>
@@ -345,6 +346,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     openblas_set_num_threads(threads);
+    rlslab::use_threads(threads);
     std::ifstream file("/proc/cpuinfo");
     std::string machine;
     while (std::getline(file, machine) && machine.rfind("model name", 0) != 0) {}
