@@ -26,27 +26,25 @@ Matrix<T> times(Matrix<T> const& A, Matrix<T> const& B, bool turned = false) {
         }
     return C;
 }
-template <class T>
-Matrix<T> transposed(Matrix<T> const& A) {
-    return A.transpose();
-}
 /// S^-1 by Gauss and Jordan with pivots.
 template <class T>
-Matrix<T> inverse_of(Matrix<T> S) {
+Matrix<T> inverse_of(Matrix<T> const& S) {
     Index const k = S.rows();
-    Matrix<T> V = Matrix<T>::Identity(k, k);
+    Matrix<T> both(k, 2 * k);
+    both << S, Matrix<T>::Identity(k, k);
     for (Index j = 0; j < k; ++j) {
         Index pivot = j;
         for (Index i = j + 1; i < k; ++i)
-            if (std::abs(S(i, j)) > std::abs(S(pivot, j))) pivot = i;
-        S.row(j).swap(S.row(pivot)), V.row(j).swap(V.row(pivot));
-        T const by = S(j, j);
-        for (Index c = 0; c < k; ++c) S(j, c) /= by, V(j, c) /= by;
-        for (Index i = 0; i < k; ++i)
-            if (T const f = S(i, j); i != j)
-                for (Index c = 0; c < k; ++c) S(i, c) -= f * S(j, c), V(i, c) -= f * V(j, c);
+            if (std::abs(both(i, j)) > std::abs(both(pivot, j))) pivot = i;
+        both.row(j).swap(both.row(pivot));
+        Matrix<T> const column = both.col(j);
+        for (Index c = 0; c < 2 * k; ++c) {
+            both(j, c) /= column(j);
+            for (Index i = 0; i < k; ++i)
+                if (i != j) both(i, c) -= column(i) * both(j, c);
+        }
     }
-    return V;
+    return both.rightCols(k);
 }
 /// G S^-1 by Cholesky of S's lower triangle; NaN where S is not definite.
 template <class T>
@@ -87,7 +85,7 @@ struct Published {
     template <class Perturb>
     void update_block(Matrix<T> const& X, Matrix<T> const& y, Perturb perturb) {
         Index const k = X.cols();
-        Matrix<T> const G = times(P, X), Xt = transposed(X);
+        Matrix<T> const G = times(P, X), Xt = X.transpose();
         Matrix<T> S = times(Xt, G);
         Matrix<T> e = y - times(Xt, theta);
         T weight(1);
@@ -267,9 +265,7 @@ void one_wrong_gain(Trial const& trial, TrialOutput& out) {
             f.update_block(X, y, Full{}), g.update_block(X, y, maybe);
             a.update_block(X, y.col(0), block), b.update_block(X, y.col(0), block, maybe);
         }
-        auto const pairs = [](Matrix<double> const& P) {
-            return Matrix<Pair>(P.unaryExpr([](double x) { return Pair(x); }));
-        };
+        auto const pairs = [](auto const& P) { return Matrix<Pair>(P.unaryExpr([](double x) { return Pair(x); })); };
         out({"cholesky", "double", epsilon, 0.0, apart(g.P, pairs(f.P)), "yes", 0.0});
         out({"joseph", "double", epsilon, 0.0, apart(Matrix<double>(b.covariance()), pairs(a.covariance())), "yes",
              0.0});
@@ -304,18 +300,20 @@ Selection of(char const* part, char const* form, char const* word) {
 Selection ten(char const* form, char const* word) {
     return of("run", form, word).where("rows", Cell("rotated")).where("kappa", 10.0);
 }
-/// A column in float of one form over that of another, on the same data, in each setting.
-Judge over(char const* rows, char const* form, char const* other, char const* column, double c2_from, double c2_to,
+/// Of rows with a c^2 in [from, to], of kappa = 10.
+Selection priors(char const* rows, double from, double to) {
+    return where("part", Cell("run")).where("rows", Cell(rows)).where("kappa", 10.0).where("c2", between(from, to));
+}
+Selection in_float(char const* rows, double from, double to) {
+    return priors(rows, from, to).where("word", Cell("float"));
+}
+/// `number` of the rows with the one value of `column` over that of the other, on the same data, in each setting.
+Judge over(Selection const& rows, std::string column, std::string one, std::string other, std::string number,
            double from, double to) {
-    std::string const a = form, b = other, name = column;
-    Statistic const ratio(
-        [=](Table const& t) { return t.where("form", Cell(a)).number(name) / t.where("form", Cell(b)).number(name); });
-    return within(where("part", Cell("run"))
-                      .where("word", Cell("float"))
-                      .where("rows", Cell(rows))
-                      .where("kappa", 10.0)
-                      .where("c2", between(c2_from, c2_to)),
-                  {"d", "k", "c2"}, ratio, from, to);
+    Statistic const ratio([=](Table const& t) {
+        return t.where(column, Cell(one)).number(number) / t.where(column, Cell(other)).number(number);
+    });
+    return within(rows, {"d", "k", "c2"}, ratio, from, to);
 }
 Basis const set_before = own_result("set before any run; runs of numpy and of a GPU on other rows had been seen");
 Basis const narrowed = own_result("set before any run; d = 256, which has one c^2, was taken out after the first");
@@ -385,34 +383,23 @@ P - KF' - FK',\ F = G - \tfrac12 KS &: \quad \delta P = \delta K\,S\,\delta K' /
              narrowed, 0.5},
             {"float, kappa = 10, c^2 up to 1024: joseph's error of P is 1.5 to 30 times below that of P - K G' by "
              "Cholesky",
-             over("rotated", "cholesky", "joseph", "P", 16, 1024, 1.5, 30), set_before, 0.55},
-            {"random features, likewise", over("features", "cholesky", "joseph", "P", 16, 1024, 1.5, 30), set_before,
-             0.5},
+             over(in_float("rotated", 16, 1024), "form", "cholesky", "joseph", "P", 1.5, 30), set_before, 0.55},
+            {"random features, likewise",
+             over(in_float("features", 16, 1024), "form", "cholesky", "joseph", "P", 1.5, 30), set_before, 0.5},
             {"float, kappa = 10, c^2 = 1024: the explicit inverse's error of theta is 2 to 10^4 times that of "
              "Cholesky's",
-             over("rotated", "inverse", "cholesky", "theta", 1024, 1024, 2, 1e4), set_before, 0.55},
+             over(in_float("rotated", 1024, 1024), "form", "inverse", "cholesky", "theta", 2, 1e4), set_before, 0.55},
             {"float, kappa = 10: qr_block's median error of theta is at most 1e-5",
              within(ten("qr_block", "float"), {"d", "k", "c2"}, median("theta"), 0, 1e-5), set_before, 0.85},
             {"float, kappa = 10, c^2 = 1024 and 65536: joseph's error of P is at least three times qr_block's",
-             over("rotated", "joseph", "qr_block", "P", 1024, 65536, 3, INFINITY), set_before, 0.6},
+             over(in_float("rotated", 1024, 65536), "form", "joseph", "qr_block", "P", 3, INFINITY), set_before, 0.6},
             {"K in bfloat16, kappa = 10, c^2 = 1024 and 65536: P - K G' ends indefinite, for most seeds",
              everywhere(ten("cholesky", "K bfloat16").where("c2", at_least(1024)), "definite", "no"), set_before, 0.8},
             {"joseph, likewise, ends definite, for most seeds",
              everywhere(ten("joseph", "K bfloat16").where("c2", at_least(1024)), "definite", "yes"), set_before, 0.65},
             {"joseph, kappa = 10, c^2 up to 1024: K in bfloat16 costs a factor of 8 to 100 of P",
-             [](Table const& t) {
-                 Statistic const ratio([](Table const& r) {
-                     return r.where("word", Cell("K bfloat16")).number("P") /
-                            r.where("word", Cell("float")).number("P");
-                 });
-                 return within(t.where("part", Cell("run"))
-                                   .where("form", Cell("joseph"))
-                                   .where("word", std::vector<std::string>{"float", "K bfloat16"})
-                                   .where("rows", Cell("rotated"))
-                                   .where("kappa", 10.0)
-                                   .where("c2", at_most(1024)),
-                               {"d", "k", "c2"}, ratio, 8, 100);
-             },
+             over(priors("rotated", 16, 1024).where("form", Cell("joseph")), "word", "K bfloat16", "float", "P", 8,
+                  100),
              set_before, 0.45},
             {"float, kappa = 10, c^2 = 1024: joseph's error of P falls with the rows of a block: slope -0.5 +- 0.3",
              within(sloped("joseph", "float").where("c2", 1024.0), {"d"}, slope("k", "P"), -0.8, -0.2), set_before,
