@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include <chrono>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -69,17 +70,20 @@ struct Result {
     std::string name, word;
     Matrix<double> theta;
     double percent[tasks];  // right, of the classes seen so far, after each task
+    double seconds = 0;     // of the updates
 };
 template <class F>
 Result learn(std::string name, std::vector<Rows> const& blocks, Rows const& test) {
     using T = typename F::scalar;
     F f;
-    Result out{std::move(name), sizeof(T) == 4 ? "float" : "double", {}, {}};
+    Result out{std::move(name), sizeof(T) == 4 ? "float" : "double", {}, {}, 0};
     for (Index task = 0; task < tasks; ++task) {
         for (Index b = 0; b < blocks_of_task; ++b) {
             Rows const& rows = blocks[size_t(task * blocks_of_task + b)];
             Matrix<T> const X = rows.X.cast<T>(), Y = rows.Y.cast<T>();
+            auto const start = std::chrono::steady_clock::now();
             f.update_block(X, Y);
+            out.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         }
         out.theta = f.theta().template cast<double>();
         Index const seen = (task + 1) * classes / tasks;
@@ -98,7 +102,9 @@ Result learn(std::string name, std::vector<Rows> const& blocks, Rows const& test
 
 }  // namespace
 
-int main() {
+/// With an argument: times, too.
+int main(int count, char**) {
+    bool const times = count > 1;
     World world;
     std::vector<Rows> blocks;
     for (Index task = 0; task < tasks; ++task)
@@ -114,14 +120,17 @@ int main() {
         learn<Published<double>>("published", blocks, test),
     };
     Matrix<double> const& exact = results[0].theta;  // 14 digits
-    std::printf("%-24sright after each task, %%           error of the weights\n", "");
+    std::printf("%-24sright after each task, %%        error   MB of state%s\n", "", times ? "   seconds" : "");
     bool right = true;
     for (Result const& one : results) {
         std::printf("%-16s %-7s", one.name.c_str(), one.word.c_str());
         for (double const percent : one.percent) std::printf(" %5.1f", percent);
         double const error = (one.theta - exact).norm() / exact.norm();
-        if (error < 1e-12) std::printf("     below 1e-12\n");
-        else std::printf("     %.0e\n", error);
+        if (error < 1e-12) std::printf("   < 1e-12");
+        else std::printf("     %.0e", error);
+        std::printf("  %8.1f", double(d * (d + classes)) * (one.word == "float" ? 4e-6 : 8e-6));  // R and z, or P and W
+        if (times) std::printf("  %12.2f", one.seconds);
+        std::printf("\n");
         if (one.name == "qr_block") right = right && error < 1e-5 && one.percent[4] == results[0].percent[4];
     }
     return right ? 0 : 1;

@@ -227,8 +227,9 @@ public:
     }
     std::span<Step<T> const> steps() const { return {steps_.data(), steps_.size()}; }  ///< of the last row
 
-    /// k rows at once, the oldest first: X is d x k, Y k x m. Of qr_block and joseph_rank_two. With a number that is not
-    /// finite the block is refused, nothing changes, and nonfinite is returned; or such rows are left out, and counted.
+    /// k rows at once, the oldest first: X is d x k, Y k x m. Of qr_block and joseph_rank_two. With a number that is
+    /// not finite the block is refused, nothing changes, and nonfinite is returned; or such rows are left out, and
+    /// counted.
     /// Returns the worst health of the rows; of qr_block the last one's. steps() stay. Throws std::invalid_argument for
     /// other sizes, or k = 0.
     Health update_block(RowsOf<T> X, Eigen::Ref<Matrix<T> const> const& Y,
