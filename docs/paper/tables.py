@@ -12,7 +12,9 @@ paper.tex names what it takes:
     \\quoted{PAGE}{WORDS}                 words that a page of docs, or a file, has, wherever its lines break
     \\rows{PAGE}{HEADING}{COLUMNS}        the rows of one, of the columns named, ; between them
     \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
+    \\counted{STUDY}{VERDICT}              how many claims hold, fail or are undecided there; "of": all
     \\recorded{STUDY}{N}{WORDS}           the verdict on a claim in studies/verdicts-full.json
+    \\score                              what was predicted before a run, with its verdicts and its Brier score
     \\plot{NAME}                          a figure of docs or of the run
 and single numbers, as below."""
 import hashlib, json, pathlib, re, sys
@@ -61,7 +63,7 @@ def tables_of(page):
     out, heading, lines = {}, "", (root / "docs" / (page + ".md")).read_text().split("\n")
     count, rows = 0, []
     for line in lines + [""]:
-        if line.startswith("|"):
+        if line.startswith("|") and line.endswith("|"):    # a line of text may begin with a size
             rows.append([cell.strip() for cell in line.strip().strip("|").split("|")])
             continue
         if rows:
@@ -160,8 +162,11 @@ def grade_of(entry):
     return 3 if re.search(r"[Pp]rogram read|Data and certified values|Documentation of the routines", entry) else 0
 
 
+grades = ("read in full", "abstract read", "not read", "program, data or manual read")
+
+
 def sources():
-    """The bibliography: entries of docs/literature.md, what was read of each in italics."""
+    """The bibliography: entries of docs/literature.md without its remarks, and what was read of each in italics."""
     known, counts = entries(), [0, 0, 0, 0]
     for key, words in named("source", 2):
         found = [e for e in known if e.startswith(words)]
@@ -169,7 +174,7 @@ def sources():
             faults.append("docs/literature.md 6: expected one entry that begins with \"%s\", found %d"
                           % (words, len(found)))
             continue
-        entry = re.sub(r" \((`[^`]*`(, )?)+\)", "", found[0]).replace(" No DOI known.", "")
+        entry = re.sub(r" No DOI known[.;]|, no DOI known", "", re.sub(r" \((`[^`]*`(, )?)+\)", "", found[0]))
         entry = re.sub(r"(?<=\d)–(?=\d)", "--", entry)
         counts[grade_of(entry)] += 1
         link = re.search(r"<(https?://[^>]*)>", entry)
@@ -177,7 +182,7 @@ def sources():
             entry = entry.replace(link.group(0), "`" + link.group(1) + "`")
         said = re.search(r"(?<=\. )(?=[^.]*\b(read|Read|Cited)\b)|(?<=\. )(?=Lecture notes)", entry)
         at = said.start() if said else len(entry)
-        yield defined("source@" + key, tex(entry[:at]) + r"\emph{" + tex(entry[at:]) + "}")
+        yield defined("source@" + key, tex(entry[:at]) + r"\emph{[%s]}" % grades[grade_of(entry)])
     for name, n in zip(("read", "abstract", "unread", "program"), counts):
         yield r"\newcommand{\sources%s}{%s}" % (name, none_or(n))
 
@@ -206,6 +211,10 @@ def verdicts():
               for n, (text, verdict) in enumerate(full[study].items(), 1)]
     for verdict in ("holds", "fails", "undecided"):
         yield r"\newcommand{\%sone}{%d}" % (verdict, sum(v == verdict for _, _, _, v in claims))
+        for study in full:
+            yield defined("%s@%s" % (verdict, study), sum(v == verdict for v in full[study].values()))
+    for study in full:
+        yield defined("of@" + study, len(full[study]))
     yield r"\newcommand{\recordedclaims}{%d}" % len(claims)
     yield r"\newcommand{\recordedstudies}{%d}" % len(full)
     failing = ""
@@ -214,8 +223,82 @@ def verdicts():
         yield defined("leans@%s@%d" % (study, n), tex(lean))
         yield defined("recorded@%s@%d" % (study, n), verdict)
         if verdict == "fails":
-            failing += r"\texttt{%s} %d & %s\\" % (tex(study), n, tex(lean + text)) + "\n"
+            failing += r"\failure{%s}{%d}{%s}" % (tex(study), n, tex(lean + text)) + "\n"
     yield r"\newcommand{\failing}{%s}" % failing
+
+
+# The studies of each message of the paper; any other is under the last heading.
+messages = (("an error of the gain", "gain_error gain_error_size gain_error_definiteness mixed_gain blocks "
+                                     "test_time_layer"),
+            ("basis", "joseph_basis backward_error choose"),
+            ("drift", "delta_forms sqrt_lambda_bias accuracy_steps fused_symmetry"),
+            ("map and survey", "winner_map survey random_problems everyday_problems"),
+            ("half-power law and certificate", "half_power prior_any certificate"), ("other studies", ""))
+
+
+def registered(kind, band):
+    """A finding whose band was set before a run, as its origin says. What was mended after it stays a prediction."""
+    before, after = band.find("before"), band.find("after")
+    return kind == "finding" and before >= 0 and (after < 0 or before < after)
+
+
+def narrowly(kind, band):
+    """As docs/questions.md counts: without what was derived beforehand, and what names anything after."""
+    return registered(kind, band) and "after" not in band and re.search(r"before\b", band) is not None
+
+
+def probabilities(study, texts):
+    """The probability that a claim's author gave to "holds": the last number of its braces in the study's source."""
+    source = next(s for s in sorted((root / "studies").glob("*/*.cpp"))
+                  if '.name = "%s"' % study in s.read_text()).read_text()
+    source = re.sub(r'"\s*\n\s*"', "", source)
+    for text in texts:
+        at, depth, within = source.find('{"' + text.replace('"', '\\"') + '"'), 0, False
+        for here in range(at, len(source) if at >= 0 else at):
+            within ^= source[here] == '"' and source[here - 1] != "\\"
+            depth += 0 if within else {"{": 1, "}": -1}.get(source[here], 0)
+            if depth == 0:
+                given = re.search(r",\s*([01]?\.?\d+)\s*$", source[at:here])
+                if given:
+                    yield text, float(given.group(1))
+                break
+
+
+def score(claims):
+    """Rows of the table of predictions: verdicts on record at the full budget, seed 1, and those of this run.
+
+    claims: (study, kind, text, band, verdict of the run)."""
+    full = record("verdicts-full")
+    named_so = {study: name for name, studies in messages for study in studies.split()}
+    rows, totals = {name: ([], []) for name, _ in messages}, ([], [])
+    for study, kind, text, band, verdict in claims:
+        if registered(kind, band):
+            for of in (rows[named_so.get(study, messages[-1][0])], totals):
+                of[0].append((full[study][text], verdict))
+    given = {}
+    for study, its in full.items():
+        given[study] = [(p - (its[t] == "holds")) ** 2 for t, p in probabilities(study, its) if its[t] != "undecided"]
+        for of in (rows[named_so.get(study, messages[-1][0])], totals):
+            of[1].extend(given[study])
+    text = ""
+    for name, (judged, squares) in list(rows.items()) + [("all", totals)]:
+        count = lambda place, verdict: sum(v[place] == verdict for v in judged)
+        brier = "%.3f (%d)" % (sum(squares) / len(squares), len(squares)) if squares else "--"
+        text += (r"\midrule " if name == "all" else "") + " & ".join(
+            [name, str(len(judged))] + [str(count(0, v)) for v in ("holds", "fails", "undecided")] + [brier] +
+            [str(count(1, v)) for v in ("holds", "fails", "undecided")]) + r"\\" + "\n"
+    yield r"\newcommand{\score}{%s}" % text
+    share = round(100 * sum(v == "holds" for v, _ in totals[0]) / max(1, len(totals[0])))
+    yield r"\newcommand{\scoreshare}{%d}" % share
+    for name, verdict in (("held", "holds"), ("failed", "fails"), ("undecided", "undecided")):
+        yield r"\newcommand{\registered%s}{%d}" % (name, sum(v == verdict for v, _ in totals[0]))
+    yield r"\newcommand{\registeredall}{%d}" % len(totals[0])
+    narrow = [full[study][text] for study, kind, text, band, _ in claims if narrowly(kind, band)]
+    yield r"\newcommand{\narrowall}{%d}" % len(narrow)
+    yield r"\newcommand{\narrowheld}{%d}" % narrow.count("holds")
+    for study, squares in given.items():
+        if squares:
+            yield defined("brier@" + study, "%.3f" % (sum(squares) / len(squares)))
 
 
 def digest(lines):
@@ -245,11 +328,9 @@ def of_run(out, to):
     yield r"\newcommand{\claimshash}{%s}" % digest(lines)
     yield r"\newcommand{\expectederrors}{%s}" % run["expected_errors"]
     bands = [c["band"] for _, _, c in claims if c["kind"] == "finding"]
-    after, before = sum("after" in b for b in bands), sum("before" in b and "after" not in b for b in bands)
     yield r"\newcommand{\bandsall}{%d}" % len(bands)
-    yield r"\newcommand{\bandsafter}{%d}" % after
-    yield r"\newcommand{\bandsbefore}{%d}" % before
-    yield r"\newcommand{\bandsformula}{%d}" % (len(bands) - before - after)
+    yield r"\newcommand{\bandsother}{%d}" % (len(bands) - sum(registered("finding", b) for b in bands))
+    yield from score([(study, c["kind"], c["claim"], c.get("band", ""), c["verdict"]) for study, _, c in claims])
 
 
 def figures(out):
