@@ -14,6 +14,7 @@ paper.tex names what it takes:
     \\operations{VARIANT}, \\nanoseconds{VARIANT}{PARAMETERS}
     \\counted{STUDY}{VERDICT}              how many claims hold, fail or are undecided there; "of": all
     \\recorded{STUDY}{N}{WORDS}           the verdict on a claim in studies/verdicts-full.json
+    \\brier{STUDY}                       the Brier score of its claims on record, where probabilities were given
     \\score                              what was predicted before a run, with its verdicts and its Brier score
     \\plot{NAME}                          a figure of docs or of the run
 and single numbers, as below."""
@@ -249,9 +250,8 @@ def narrowly(kind, band):
 
 def probabilities(study, texts):
     """The probability that a claim's author gave to "holds": the last number of its braces in the study's source."""
-    source = next(s for s in sorted((root / "studies").glob("*/*.cpp"))
-                  if '.name = "%s"' % study in s.read_text()).read_text()
-    source = re.sub(r'"\s*\n\s*"', "", source)
+    texts_of = (s.read_text() for s in sorted((root / "studies").glob("*/*.cpp")))
+    source = re.sub(r'"\s*\n\s*"', "", next((s for s in texts_of if '.name = "%s"' % study in s), ""))
     for text in texts:
         at, depth, within = source.find('{"' + text.replace('"', '\\"') + '"'), 0, False
         for here in range(at, len(source) if at >= 0 else at):
@@ -301,6 +301,17 @@ def score(claims):
             yield defined("brier@" + study, "%.3f" % (sum(squares) / len(squares)))
 
 
+def counts():
+    """What \\counted and \\brier name is on record."""
+    full = record("verdicts-full")
+    for study, verdict in named("counted", 2):
+        if study not in full or verdict not in ("holds", "fails", "undecided", "of"):
+            faults.append("no count of %s in %s on record" % (verdict, study))
+    for (study,) in named("brier", 1):
+        if not any(full[study][text] != "undecided" for text, _ in probabilities(study, full.get(study, {}))):
+            faults.append("%s: no claim with a probability is decided" % study)
+
+
 def digest(lines):
     return hashlib.sha256(("\n".join(lines) + "\n").encode()).hexdigest()
 
@@ -344,6 +355,7 @@ def main():
     if not checks and len(sys.argv) != 3:
         sys.exit(__doc__)
     quotations()
+    counts()
     text = [line for part in (cells, rows, costs, machine, sources, verdicts, survey) for line in part()]
     for fault in dict.fromkeys(faults):
         print(fault, file=sys.stderr)
