@@ -1,10 +1,11 @@
 """Time and digits of the Python package beside other ways to write recursive least squares in Python.
 
-usage: PYTHONPATH=build/study/python /usr/bin/python3 bench/python_peers.py [--beside build/study/bench/rlslab_bench_c]
+usage: PYTHONPATH=build/study/python /usr/bin/python3 bench/python_peers.py [--beside PROGRAM | --blocks]
 
 Prints the table of docs/python.md. Rows that are not there are left out (statsmodels). Times are the least of many
 stretches; digits are against the exact solution, by fractions. --beside: what Python adds to a row of `ud`, in turns
-with that program's loop in C++ over as many rows.
+with that program's loop in C++ (build/study/bench/rlslab_bench_c) over as many rows. --blocks: blocks of rows, many
+outputs, beside the update that papers on continual learning print, in numpy.
 """
 
 from __future__ import annotations
@@ -172,8 +173,84 @@ def beside(program, turns=40):
         print(f"| {d} | {cpp:.1f} | {one:.1f} | {one - cpp:.1f} | {many:.1f} | {many / cpp:.3f} |")
 
 
+# The published case: d = 768 random features of 64 inputs, 10 classes, 24 blocks of 256 rows, a ridge of 0.1.
+D, K, BLOCKS, CLASSES, RIDGE = 768, 256, 24, 10, 0.1
+
+
+def blocks_of(dtype):
+    g = np.random.default_rng(7)
+    W, centres = g.standard_normal((64, D)) / 8, g.standard_normal((CLASSES, 64))
+    for _ in range(BLOCKS):
+        label = g.integers(0, CLASSES, K)
+        X = np.maximum((centres[label] + 0.7 * g.standard_normal((K, 64))) @ W, 0).astype(np.float32)
+        yield np.ascontiguousarray(X, dtype), np.eye(CLASSES, dtype=dtype)[label]
+
+
+class Published:
+    """R -= R X'(I + X R X')^-1 X R, W += R X'(Y - X W), with the new R."""
+
+    def __init__(self, dtype, by_cholesky):
+        self.R, self.theta = np.eye(D, dtype=dtype) / dtype(RIDGE), np.zeros((D, CLASSES), dtype)
+        self.by_cholesky = by_cholesky
+
+    def update_many(self, X, Y):
+        RX = self.R @ X.T
+        S = X @ RX + np.eye(len(X), dtype=X.dtype)
+        if self.by_cholesky:
+            L = np.linalg.cholesky(S)
+            K_t = np.linalg.solve(L.T, np.linalg.solve(L, RX.T))
+            self.R, self.theta = self.R - RX @ K_t, self.theta + K_t.T @ (Y - X @ self.theta)
+        else:
+            self.R = self.R - RX @ np.linalg.inv(S) @ (X @ self.R)
+            self.theta = self.theta + self.R @ X.T @ (Y - X @ self.theta)
+
+
+class Gram:
+    """X'X and X'Y, and one solve at the end."""
+
+    def __init__(self, dtype):
+        self.H, self.b = RIDGE * np.eye(D, dtype=dtype), np.zeros((D, CLASSES), dtype)
+
+    def update_many(self, X, Y):
+        self.H += X.T @ X
+        self.b += X.T @ Y
+
+    @property
+    def theta(self):
+        return np.linalg.solve(self.H, self.b)
+
+
+def blocks():
+    def ours(kind):
+        return lambda dtype: kind(D, outputs=CLASSES, prior_variance=1 / RIDGE, dtype=np.dtype(dtype).name)
+
+    ways = {"`rlslab.QrBlock`": ours(rlslab.QrBlock), "`rlslab.JosephRankTwo`": ours(rlslab.JosephRankTwo),
+            "published, inverse": lambda dtype: Published(dtype, False),
+            "published, by Cholesky, K e": lambda dtype: Published(dtype, True), "Gram, one solve": Gram}
+    truth = None
+    print("| | error, float32 | ms a block | error, float64 | ms a block |")
+    print("|---|---|---|---|---|")
+    for name, make in ways.items():
+        cells = []
+        for dtype in (np.float64, np.float32):
+            rows, times = list(blocks_of(dtype)), []
+            for _ in range(3):
+                f = make(dtype)
+                start = time.perf_counter()
+                for X, Y in rows:
+                    f.update_many(X, Y)
+                theta = np.asarray(f.theta, np.float64)
+                times.append((time.perf_counter() - start) / BLOCKS * 1e3)
+            truth = theta if truth is None else truth
+            error = np.linalg.norm(theta - truth) / np.linalg.norm(truth)
+            cells[:0] = ["taken as right" if theta is truth else f"{error:.0e}", f"{min(times):.1f}"]
+        print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+
+
 def main():
     gc.disable()
+    if sys.argv[1:2] == ["--blocks"]:
+        return blocks()
     if sys.argv[1:2] == ["--beside"]:
         return beside(*sys.argv[2:3])
     print("| | ns a row, d = 4 | d = 16 | digits, white | digits, dependent |")

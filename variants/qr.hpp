@@ -80,7 +80,7 @@ public:
     void gain(StateVector<T, N>& out) const { out = psi_; solve_outer(L_, out); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    auto form() requires Field<T> { return RootInformation{lambda_, root_lambda_, z_, x_, c_, s_, u_, L_, lengths_}; }
+    RootInformation<T, N> form() requires Field<T> { return {lambda_, root_lambda_, z_, x_, c_, s_, u_, L_, lengths_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_); }
 
 private:

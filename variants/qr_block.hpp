@@ -34,12 +34,11 @@ class QrBlock {
 
     bool enough() const { return prior_ || rows_ >= z_.size(); }
     Truth<T> determined() const { return lengths_.determined(L_) && nonsingular(L_) && Truth<T>(enough()); }
-    /// After a block that stands for `rows` rows.
-    PerLane<T, Health> folded(Index rows) {
+    /// After a block that stands for `rows` rows, `taken` if its eta is finite.
+    PerLane<T, Health> folded(Index rows, Truth<T> const& taken) {
         rows_ += rows;
         Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
-        Truth<T> const taken = all_finite(z_) && all_finite<T>(A_.view().col(z_.size()));
-        return health_of<T>(taken, determined(), finite);
+        return health_of<T>(taken && all_finite(z_), determined(), finite);
     }
 
 public:
@@ -62,18 +61,17 @@ public:
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        fold_rows<T, N>(L_, z_, A_, lengths_, psi, y, root_lambda_, further);                                   // (1)
-        return folded(rows);
+        return folded(rows, fold_rows<T, N>(L_, z_, A_, lengths_, psi, y, root_lambda_, further));            // (1)
     }
 
     /// Appends the rows of `newer`, a filter of this problem that started without prior; further.y: its z.
-    void merge(QrBlock const& newer, FurtherSides<T> const& further = {}) {
+    PerLane<T, Health> merge(QrBlock const& newer, FurtherSides<T> const& further = {}) {
         expects(newer.z_.size() == z_.size() && all(newer.lambda_ == lambda_) && !newer.prior_,
                 "a part of this problem, no prior");
-        if (rows_ == 0 && !prior_) { state(*this) = state(newer); return further.copy(z_.size()); }  // its numbers
+        if (rows_ == 0 && !prior_) { state(*this) = state(newer); further.copy(z_.size()); return folded(0, true); }
         if (newer.rows_ > 0) psi_ = newer.psi_;
-        fold_triangle(L_, z_, A_, lengths_, newer.L_, newer.z_, root_lambda_, newer.rows_, further);           // (5)
-        folded(newer.rows_);
+        return folded(newer.rows_, fold_triangle(L_, z_, A_, lengths_, newer.L_, newer.z_, root_lambda_, newer.rows_,
+                                                 further));                                            // (5)
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -90,7 +88,9 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    auto last_row() requires Field<T> { return LastReflections{root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_}; }
+    LastReflections<T, N> last_row() requires Field<T> {
+        return {root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_};
+    }
     static auto state(auto& f) {
         return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_);
     }

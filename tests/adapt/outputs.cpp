@@ -214,6 +214,25 @@ TEST(Outputs, OfManyPartsMergeAndContinueFromAState) {
     c.update_block(X, Y), d.update_block(X, Y);
     EXPECT_EQ(state_of(c), state_of(d));
 }
+/// Parts that do not determine theta together, and an output whose theta overflows.
+TEST(Outputs, HaveAHealthThatIsTrueOfAllOfThem) {
+    using Many = MultiOutput<QrBlock<double>>;
+    Problem<double> const problem{.size = 5, .prior = std::nullopt};
+    Seed seed{9};
+    Matrix<double> const X = drawn(seed, 5, 6), Y = drawn(seed, 6, 2);
+    Many a(problem, 2), b(problem, 2), empty(problem, 2);
+    a.update_block(X.leftCols(2), Y.topRows(2)), b.update_block(X.middleCols(2, 2), Y.middleRows(2, 2));
+    EXPECT_EQ(empty.merge(a), Health::undetermined);
+    EXPECT_EQ(a.merge(b), Health::undetermined);
+    EXPECT_EQ(a.merge(a), Health::undetermined);
+    EXPECT_EQ(a.update_block(X, Y), Health::sound);
+    Many far(Problem<double>{.size = 1, .prior = std::nullopt}, 3), newer = far;
+    EXPECT_EQ(far.update_block(Matrix<double>::Constant(1, 1, 1e-3), Matrix<double>{{1.0, 2.0, 1e308}}),
+              Health::nonfinite);
+    EXPECT_EQ(newer.merge(far), Health::nonfinite);
+    EXPECT_EQ(newer.update_block(Matrix<double>::Constant(1, 1, 1e-3), Matrix<double>{{1.0, 2.0, 1e300}}),
+              Health::nonfinite);
+}
 TEST(Outputs, AreRefusedBeforeMemoryIsTaken) {
     using Many = MultiOutput<Ud<double>>;
     EXPECT_THROW(Many({.size = 8}, Index(1) << 50), std::exception);

@@ -138,6 +138,22 @@ TEST(Blocks, HaveTheSameBitsOnAnyNumberOfThreads) {
     EXPECT_THROW(use_threads(0), std::invalid_argument);
     EXPECT_THROW(use_threads(1025), std::invalid_argument);
 }
+/// The number of threads changes while blocks are at work.
+TEST(Blocks, KeepTheThreadsThatTheyBeganWith) {
+    std::atomic<bool> done = false;
+    std::thread other([&] {
+        for (Index n = 0; !done; ++n) use_threads(1 + n % 3);
+    });
+    auto const first = after_blocks<QrBlock<float>>(120, 100, 5);
+    auto const second = after_blocks<JosephRankTwo<double>>(110, 100, 5);
+    for (int k = 0; k < 20; ++k) {
+        EXPECT_EQ(difference(after_blocks<QrBlock<float>>(120, 100, 5), first), -1);
+        EXPECT_EQ(difference(after_blocks<JosephRankTwo<double>>(110, 100, 5), second), -1);
+    }
+    done = true;
+    other.join();
+    use_threads(1);
+}
 /// Rows whose squares leave the range go one by one, on one thread; merging is a block of its own.
 TEST(Blocks, OfThreadsAtTheEndOfTheRangeAndMerged) {
     auto const run = [] {

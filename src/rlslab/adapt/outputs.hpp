@@ -250,12 +250,14 @@ public:
     }
     Index left_out() const { return left_out_; }  ///< rows of blocks, since it was made; not in a state
 
-    /// Appends the rows of `newer`, outputs of this problem that started without prior, as F merges.
-    void merge(MultiOutput const& newer)
+    /// Appends the rows of `newer`, outputs of this problem that started without prior, as F merges. Returns the health
+    /// of all rows together.
+    Health merge(MultiOutput const& newer)
         requires requires(F& f, FurtherSides<T> const& sides) { f.merge(f, sides); }
     {
         expects(newer.outputs() == outputs(), "as many outputs");
-        filter_.merge(newer.filter_, {sides(newer), sides(*this)});
+        Health const health = filter_.merge(newer.filter_, {sides(newer), sides(*this)});
+        return sides_stand(health) ? health : Health::nonfinite;
     }
 
     /// Outputs that were zeros until now, exactly. The problem must start at theta0 = 0. Invalidates steps().
@@ -299,6 +301,17 @@ public:
     static auto state(auto& f) { return std::tie(f.filter_, f.theta_); }
 
 private:
+    /// Whether the z, and theta where F determines it, of all outputs but the first are finite.
+    bool sides_stand(Health health)
+        requires(solves)
+    {
+        auto const f = detail::last_row(filter_);
+        for (size_t j = 1; j < theta_.size(); ++j)
+            if (!all_finite(theta_[j]) ||
+                (health != Health::undetermined && !f.lengths.finite_too(theta_[j], room(), f.L)))
+                return false;
+        return true;
+    }
     static bool starts_at_zero(Problem<T> const& problem) {
         if (!problem.prior || !problem.prior->theta) return true;
         bool out = true;
@@ -318,7 +331,10 @@ private:
     }
     /// Throws std::bad_alloc for thetas that memory cannot hold, before it is asked for them one by one.
     Index room_for(Index outputs) const {
-        if constexpr (M == Dynamic) std::vector<T>().reserve(size_t(outputs) * size_t(psi_.size()));
+        if constexpr (M == Dynamic) {  // a vector's own numbers beside its entry and what the heap keeps of it
+            size_t const each = (size_t(psi_.size()) + 8) * sizeof(T) + sizeof(StateVector<T>) + sizeof(Step<T>) + 64;
+            std::vector<char>().reserve(size_t(outputs) > PTRDIFF_MAX / each ? PTRDIFF_MAX : size_t(outputs) * each);
+        }
         return outputs;
     }
     Health take_block(RowsOf<T> X, Eigen::Ref<Matrix<T> const> const& Y) {
@@ -340,7 +356,7 @@ private:
             std::vector<T const*> y;
             for (Index j = 1; j < outputs(); ++j) y.push_back(Y.col(j).data());
             health = filter_.update_block(X, Y.col(0), {y, z});
-            for (size_t j = 1; j < theta_.size(); ++j) taken = taken && all_finite(theta_[j]);
+            taken = sides_stand(health);
         }
         return taken ? health : Health::nonfinite;
     }

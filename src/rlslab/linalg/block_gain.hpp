@@ -41,7 +41,7 @@ class BlockGain {
     using Seat = detail::Seat;
     static constexpr Index panel = 16;
     StateVector<T> memory_{0};
-    Index d_ = 0, k_ = 0, outputs_ = 0;
+    Index d_ = 0, k_ = 0, outputs_ = 0, threads_ = 1;
 
     Index ld() const { return column_stride<T, Dynamic>(d_); }
     Index ld_of_rows() const { return column_stride<T, Dynamic>(k_); }
@@ -53,7 +53,6 @@ class BlockGain {
     T* scaled() { return S().from(0, k_ + 2 + outputs_).at; }  // D L' of a panel, a column k numbers
     /// Room for a product of each thread.
     static constexpr Index room_of = Hardware<T> ? kernels::SubtractProduct<T>::room_of : 0;
-    static Index rooms() { return (Hardware<T> ? detail::team.threads : 1) * room_of; }
     T* room(Seat const& seat) { return S().from(0, k_ + 2 + outputs_ + panel).at + seat.i * room_of; }
 
     /// C -= A B.
@@ -80,7 +79,7 @@ class BlockGain {
     /// Work that threads share where it is for hardware.
     template <class Work>
     void in_team(Work const& work) {
-        detail::in_team(Hardware<T> ? double(d_) * double(d_) * double(k_) : 0, work);
+        detail::in_team(threads_, double(d_) * double(d_) * double(k_), work);
     }
 
 public:
@@ -92,8 +91,8 @@ public:
     /// the rows, in Y or on the way; indefinite for s_j < lambda.
     Health look(Strided<T const> P, Strided<T const> X, Strided<T const> theta, Strided<T const> Y, Index d, Index k,
                 Index outputs, T const& lambda) {
-        d_ = d, k_ = k, outputs_ = outputs;
-        Index const numbers = 3 * ld() * k + ld_of_rows() * (k + 2 + outputs + panel) + rooms();
+        d_ = d, k_ = k, outputs_ = outputs, threads_ = Hardware<T> ? detail::threads_of_team() : 1;
+        Index const numbers = 3 * ld() * k + ld_of_rows() * (k + 2 + outputs + panel) + threads_ * room_of;
         if (memory_.size() < numbers) memory_ = StateVector<T>(numbers);
         in_team([&](Seat const& seat) {
             auto const [from, to] = seat.share(0, k, 8);

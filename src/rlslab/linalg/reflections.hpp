@@ -40,14 +40,15 @@ inline void prefetch(std::uintptr_t address) { __builtin_prefetch(reinterpret_ca
 /// StateMatrix's are. V is a thread's room for a ReflectPanel. Allocates if it was never as large.
 template <Scalar T>
 class RowBlock {
-    Index rows_ = 0, columns_ = 0;
+    Index rows_ = 0, columns_ = 0, threads_ = 1;
     StateVector<T> memory_{0};
     static Index room_of_V(Index rows) { return 8 * padded<T, Dynamic>(rows) + 64; }
 
 public:
     void resize(Index rows, Index columns) {
-        Index const room = Hardware<T> ? detail::team.threads * room_of_V(rows) + 32 : 0,
-                    stride = column_stride<T, Dynamic>(rows), numbers = stride * columns + room;
+        threads_ = Hardware<T> ? detail::threads_of_team() : 1;
+        Index const room = Hardware<T> ? threads_ * room_of_V(rows) + 32 : 0, stride = column_stride<T, Dynamic>(rows),
+                    numbers = stride * columns + room;
         expects(product_fits(size_t(stride), size_t(columns) + 8), "a block that memory could hold");
         if (memory_.size() < numbers) memory_ = StateVector<T>(numbers);
         else if (rows == rows_ && columns == columns_) return;
@@ -55,6 +56,7 @@ public:
         for (Index j = 0; j < columns; ++j)
             for (Index k = rows; k < stride; ++k) memory_[j * stride + k] = T(0);
     }
+    Index threads() const { return threads_; }  ///< that there is room for
     Index stride() const { return column_stride<T, Dynamic>(rows_); }
     T* kept(Index which) { return memory_.data() + stride() * columns_ + which * 16; }  ///< of 0 and 1: for all threads
     T* V(detail::Seat const& seat) { return kept(2) + seat.i * room_of_V(rows_); }
@@ -280,13 +282,13 @@ void reflect_panels_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVec
 
 namespace detail {
 /// A's rows (`fill(seat)` makes them, this seat's columns, and returns the weight of what was before) into [R z], and
-/// their squares into the lengths of R's columns. In the team's threads.
+/// their squares into the lengths of R's columns. In the team's threads. Returns whether eta is finite.
 template <Scalar T, int N, class Lengths>
-void fold(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths, Index rows,
-          std::span<T* const> others, auto const& fill) {
+Truth<T> fold(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths, Index rows,
+              std::span<T* const> others, auto const& fill) {
     Index const columns = z.size() + 1 + Index(others.size());
     block.resize(rows, columns);
-    in_team(Hardware<T> ? double(z.size()) * double(columns) * double(rows) : 0, [&](Seat const& seat) {
+    in_team(block.threads(), double(z.size()) * double(columns) * double(rows), [&](Seat const& seat) {
         RealOf<T> const weight = fill(seat);
         seat.wait();
         auto const [from, to] = seat.share(0, z.size() + 1, 8);
@@ -296,24 +298,26 @@ void fold(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Length
         seat.wait();
         reflect_panels_into<T, N>(weight, L, z, block, in_range, others, seat);
     });
+    return all_finite<T>(block.view().col(z.size()));
 }
 }  // namespace detail
 
-/// Folds weighted_rows of psi and y into [R z]. `block` is workspace.
+/// Folds weighted_rows of psi and y into [R z]. `block` is workspace. Returns whether eta is finite.
 template <Scalar T, int N, class Lengths>
-void fold_rows(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths,
-               Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, RealOf<T> const& root,
-               FurtherSides<T> const& further) {
-    detail::fold<T, N>(L, z, block, lengths, y.size(), further.z,
-                       [&](detail::Seat const& seat) { return weighted_rows<T>(psi, y, root, block, further, seat); });
+Truth<T> fold_rows(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths,
+                   Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, RealOf<T> const& root,
+                   FurtherSides<T> const& further) {
+    return detail::fold<T, N>(L, z, block, lengths, y.size(), further.z, [&](detail::Seat const& seat) {
+        return weighted_rows<T>(psi, y, root, block, further, seat);
+    });
 }
 /// Folds the d rows of another [R z], which stand for `rows` rows, into root^rows [R z].
 template <Scalar T, int N, class Lengths>
-void fold_triangle(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths,
-                   StateMatrix<T, N> const& other_L, StateVector<T, N> const& other_z, RealOf<T> const& root,
-                   Index rows, FurtherSides<T> const& further) {
+Truth<T> fold_triangle(StateMatrix<T, N>& L, StateVector<T, N>& z, RowBlock<T>& block, Lengths& lengths,
+                       StateMatrix<T, N> const& other_L, StateVector<T, N> const& other_z, RealOf<T> const& root,
+                       Index rows, FurtherSides<T> const& further) {
     Index const d = z.size();
-    detail::fold<T, N>(L, z, block, lengths, d, further.z, [&](detail::Seat const& seat) {
+    return detail::fold<T, N>(L, z, block, lengths, d, further.z, [&](detail::Seat const& seat) {
         if (seat.i == 0) {
             block.view().leftCols(d + 1) << Matrix<T>(other_L.view().transpose()), other_z.view();
             for (std::size_t j = 0; j < further.z.size(); ++j)

@@ -5,6 +5,7 @@
 #include <rlslab/core/matrices.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 namespace rlslab::detail {
 
@@ -33,7 +34,7 @@ struct Seat {
     }
 };
 struct Team {
-    Index threads = 1;
+    std::atomic<Index> threads{1};
     void (*run)(Index threads, void (*work)(void* with, Seat const&), void* with) = nullptr;
     void (*wait)(void* meeting) = nullptr;
 };
@@ -41,14 +42,16 @@ inline Team team;
 inline void Seat::wait() const {
     if (count > 1) team.wait(meeting);
 }
-/// work(seat) in each of the team's threads, or in this one alone where the work is too small to share: less than
-/// some 10^6 multiplications. Each result is one thread's: the bits are the same.
+/// How many threads to share a block's work among. Room is made for so many, and in_team is given the same number.
+inline Index threads_of_team() { return team.threads.load(std::memory_order_acquire); }
+/// work(seat) in each of the threads, or in this one alone where the work is too small to share: less than some 10^6
+/// multiplications. Each result is one thread's: the bits are the same.
 template <class Work>
-void in_team(double multiplications, Work work) {
-    if (team.threads < 2 || multiplications < 1e6) work(Seat{});
+void in_team(Index threads, double multiplications, Work work) {
+    if (threads < 2 || multiplications < 1e6) work(Seat{});
     else
         team.run(
-            team.threads, [](void* with, Seat const& seat) { (*static_cast<Work*>(with))(seat); }, &work);
+            threads, [](void* with, Seat const& seat) { (*static_cast<Work*>(with))(seat); }, &work);
 }
 
 }  // namespace rlslab::detail

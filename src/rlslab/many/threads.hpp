@@ -71,11 +71,16 @@ inline void run_team(Index threads, void (*work)(void*, Seat const&), void* with
 }  // namespace detail
 
 /// From now on n >= 1 threads share the work on each block of rows (update_block) in float and double, in all filters;
-/// one at the start. The bits are the same for any n. Call it while no filter is at work. Throws std::invalid_argument
+/// one at the start. The bits are the same for any n. A block at work stays with the threads that it has. Throws std::invalid_argument
 /// for n < 1 or more than 1024.
 inline void use_threads(Index n) {
     expects(1 <= n && n <= 1024, "1 to 1024 threads");
-    detail::team = {n, detail::run_team, [](void* meeting) { static_cast<detail::Meeting*>(meeting)->wait(); }};
+    [[maybe_unused]] static bool const there = [] {
+        detail::team.run = detail::run_team;
+        detail::team.wait = [](void* meeting) { static_cast<detail::Meeting*>(meeting)->wait(); };
+        return true;
+    }();
+    detail::team.threads.store(n, std::memory_order_release);
 }
 
 }  // namespace rlslab

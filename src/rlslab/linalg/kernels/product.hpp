@@ -77,7 +77,8 @@ template <class P, class T>
 [[gnu::always_inline]] inline void evaluate(SubtractProduct<T> const& h) {
     constexpr bool wide = P::width * int(sizeof(T)) == 64;
     constexpr int R = wide ? 3 : 2, side = wide ? 8 : 4, high = R * P::width;
-    constexpr Index most_rows = h.rows_at_once / high * high, most_columns = h.columns_at_once;
+    using Product = SubtractProduct<T>;
+    constexpr Index most_rows = Product::rows_at_once / high * high, most_columns = Product::columns_at_once;
     T *const of_a = h.room, *const of_b = h.room + h.rows_at_once * h.together;
     for (Index from = 0; from < h.depth; from += h.together) {
         Index const n = std::min(h.together, h.depth - from);
