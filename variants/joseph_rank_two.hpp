@@ -53,7 +53,8 @@ public:
 
     /// k >= 1 rows at once, the oldest first, psi of d x k: (1) to (7) of `block` (linalg/block_gain.hpp), which has K
     /// then; K's errors enter P in second order, k at a time. A number in psi or y that is not finite: all k rows are
-    /// refused, nothing changes. Returns the worst health of the rows.
+    /// refused, nothing changes. Returns the worst health of the rows and of P's diagonal: `sound` does not prove P
+    /// definite. P errs by u / lambda^k.
     template <class Perturb = NoPerturbation>
     Health update_block(RowsOf<T> psi, OutputsOf<T> y, BlockGain<T>& block, Perturb perturb = {})
         requires(Field<T> && std::same_as<Truth<T>, bool>)
@@ -61,14 +62,16 @@ public:
         Index const d = theta_.size(), k = y.size();
         expects(psi.rows() == d && psi.cols() == k && k >= 1, "a block of d x k regressors and k outputs, k >= 1");
         Strided<T> const P = strided(P_), theta{theta_.data(), 1, d};
-        Health const health =
-            block.look(P, {psi.data(), 1, psi.outerStride()}, theta, {y.data(), 1, k}, d, k, 1, lambda_);
+        Health health = block.look(P, {psi.data(), 1, psi.outerStride()}, theta, {y.data(), 1, k}, d, k, 1, lambda_);
         if (health == Health::nonfinite) return health;
         T weight = T(1);
         for (Index j = 0; j < k; ++j) weight *= lambda_;
         block.commit(P, theta, DivisorNearOne<T>(weight), perturb);
-        for (Index i = 0; i < d; ++i) K_[i] = block.K()(i, k - 1);
-        return all_finite(theta_) ? health : Health::nonfinite;
+        for (Index i = 0; i < d; ++i) {
+            K_[i] = block.K()(i, k - 1);
+            if (!(T(0) < P_(i, i))) health = Health::indefinite;
+        }
+        return all_finite(theta_) && all_finite<T>(P_.view().diagonal()) ? health : Health::nonfinite;
     }
 
     auto theta() const { return theta_.view(); }

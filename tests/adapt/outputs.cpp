@@ -233,6 +233,14 @@ TEST(Outputs, HaveAHealthThatIsTrueOfAllOfThem) {
     EXPECT_EQ(newer.update_block(Matrix<double>::Constant(1, 1, 1e-3), Matrix<double>{{1.0, 2.0, 1e300}}),
               Health::nonfinite);
 }
+/// lambda^k underflows: P is infinite, or negative, after a block that began well.
+TEST(BlockGain, SaysWhatItLeavesOfP) {
+    JosephRankTwo<float> f(Problem<float>{.size = 4, .forgetting = 0.9F, .prior = Prior<float>{.variance = 1024}});
+    Seed seed{2};
+    Matrix<float> const X = drawn<float>(seed, 4, 1000);
+    BlockGain<float> gain;
+    EXPECT_EQ(f.update_block(X, Vector<float>(X.row(0)), gain), Health::nonfinite);
+}
 TEST(Outputs, AreRefusedBeforeMemoryIsTaken) {
     using Many = MultiOutput<Ud<double>>;
     EXPECT_THROW(Many({.size = 8}, Index(1) << 50), std::exception);
