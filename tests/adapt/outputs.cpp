@@ -8,6 +8,7 @@
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 namespace rlslab {
@@ -248,6 +249,51 @@ TEST(Outputs, AreRefusedBeforeMemoryIsTaken) {
     EXPECT_THROW((MultiOutput<Qr<double>>({.size = 8}, 2, MissingOutput::stands)), std::invalid_argument);
     Many from_elsewhere(Problem<double>{.size = 2, .prior = Prior<double>{.theta = Vector<double>::Ones(2)}}, 1);
     EXPECT_THROW(from_elsewhere.add_outputs(1), std::invalid_argument);
+}
+
+/// Rows that leave directions to the prior: a constant and 31 dummies. Errors of theta and of P in float, 16 blocks of 8.
+template <class F>
+std::array<double, 2> errors_on_dummies(double variance) {
+    constexpr Index d = 32, k = 8;
+    using Wide = Eigen::Matrix<long double, Dynamic, Dynamic>;
+    MultiOutput<F> f(Problem<float>{.size = d, .prior = Prior<float>{.variance = float(variance)}}, 1);
+    Wide H = Wide::Identity(d, d) / static_cast<long double>(variance), b = Wide::Zero(d, 1);
+    Seed seed{3};
+    for (Index block = 0; block < 16; ++block) {
+        Matrix<float> X = Matrix<float>::Zero(d, k), Y(k, 1);
+        for (Index j = 0; j < k; ++j) {
+            Index const group = Index(seed.next() % (d - 1));
+            X(0, j) = X(1 + group, j) = 1;
+            Y(j, 0) = float(0.1 * double(group) + 1e-4 * seed.bell());
+        }
+        f.update_block(X, Y);
+        H += X.cast<long double>() * X.transpose().cast<long double>();
+        b += X.cast<long double>() * Y.cast<long double>();
+    }
+    Wide const right = H.ldlt().solve(b), P_right = H.ldlt().solve(Wide(Wide::Identity(d, d)));
+    auto const stored = f.filter().stored();
+    Wide P = Wide(stored.F.template cast<long double>());
+    if (stored.form == Stored<float>::Form::factor) {
+        Wide const L = P.triangularView<Eigen::Lower>();
+        P = Wide(L * L.transpose()).ldlt().solve(Wide(Wide::Identity(d, d)));
+    }
+    Wide const theta = f.theta().template cast<long double>();
+    return {double((theta - right).norm() / right.norm()), double((P - P_right).norm() / P_right.norm())};
+}
+TEST(Outputs, QrErrsAsTheRootOfTheConditionWhereThePriorIsNeeded) {
+    double last = 0;
+    for (double variance : {16.0, 1024.0, 65536.0, 4194304.0}) {
+        auto const qr = errors_on_dummies<QrBlock<float>>(variance);
+        double const root = 0x1p-24 * std::sqrt(128 * variance);  // u sqrt(|X|^2 / gamma)
+        EXPECT_LE(qr[0], 4 * root) << variance;
+        EXPECT_LE(qr[1], 4 * root) << variance;
+        EXPECT_GT(qr[0], 2 * last) << variance;
+        last = qr[0];
+    }
+    auto const joseph = errors_on_dummies<JosephRankTwo<float>>(65536);
+    EXPECT_LE(joseph[0], 5e-6);
+    EXPECT_LE(joseph[1], 1e-6);
+    EXPECT_GT(last, 1e-4);
 }
 
 }  // namespace

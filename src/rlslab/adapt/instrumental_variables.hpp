@@ -53,7 +53,7 @@ struct OfOneRegressor {
     using type = FilterEach<F, M>;
 };
 template <class F, int M>
-    requires requires { typename MultiOutput<F, M>; }
+    requires(ReportsCovariance<F> && requires { typename MultiOutput<F, M>; })
 struct OfOneRegressor<F, M> {
     using type = SharedFilter<F, M>;
 };
@@ -83,13 +83,13 @@ struct OfOneRegressor<F, M> {
 /// step        innovation y - psi'theta_{k-1}, residual y - psi'theta_k, gamma of F, health the worst of all stages;
 ///             undetermined where (4) is singular: theta is then undefined() until the next row
 ///
-/// F           what MultiOutput takes shares one P; other variants are q + 1 filters
+/// F           a form of P that MultiOutput takes shares it; other variants are q + 1 filters
 /// Allocates where it is made, and later as F does. Cost: G's row, F's with q more outputs, q^3/3 + d q for (4). Throws
 /// std::invalid_argument unless 1 <= q <= d, m >= q, and for a psi or zeta of another size. Source: Söderström & Stoica
 /// 1989, ch. 8 (cited, not read), for two stages in a batch; (3) and (4) derived, docs/theory.md 90.
 template <OverOrderedField F, class G = F, int Q = Dynamic>
     requires(
-        !requires { F::departs; } && requires { typename MultiOutput<G, Q>; } &&
+        !requires { F::departs; } && ReportsCovariance<G> && requires { typename MultiOutput<G, Q>; } &&
         std::same_as<typename F::scalar, typename G::scalar>)
 class InstrumentalVariables {
     using T = typename F::scalar;
