@@ -42,7 +42,8 @@ public:
     /// The rows of `newer`, made without a prior, behind those taken. Of qr_block.
     virtual void merge(Outputs const& newer) = 0;
 
-    virtual void theta(double* out) const = 0;  ///< d x m, by rows: parameter i of output j is out[i m + j]
+    /// d x m, by rows: parameter i of output j is out[i m + j]. NaN until the rows determine it.
+    virtual void theta(double* out) const = 0;
     virtual bool reports_covariance() const = 0;
     /// P, or P^-1, whichever is reported: d x d, by columns.
     virtual void matrix(double* out) const = 0;

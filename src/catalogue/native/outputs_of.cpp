@@ -5,8 +5,19 @@
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
+#include <charconv>
+
 namespace rlslab::native {
 namespace {
+
+std::string described(Outputs const& f) {
+    return std::string(f.variant()) + " in " + std::string(f.arithmetic()) + " with " + std::to_string(f.size()) +
+           " parameters and " + std::to_string(f.outputs()) + " outputs";
+}
+std::string shortest(auto number) {
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof text, number).ptr};
+}
 
 /// F is a variant.
 template <class F>
@@ -122,8 +133,13 @@ public:
     void merge(Outputs const& newer) override {
         if constexpr (requires(Filters& f) { f.merge(f); }) {
             auto const* const part = dynamic_cast<OutputsIn const*>(&newer);
-            expects(part && part->size() == size() && part->outputs() == outputs(),
-                    "a part of the same variant, arithmetic, size and number of outputs");
+            if (!part || part->size() != size() || part->outputs() != outputs())
+                refuse("expected a part of " + described(*this) + ", found " + described(newer));
+            auto const mine = F::state(filters_.filter()), other = F::state(part->filters_.filter());  // as loaded
+            if (std::get<bool const&>(other))
+                refuse("expected a newer part without a prior: only the older one's counts, and once");
+            if (auto const& lambda = std::get<0>(mine); std::get<0>(other) != lambda)
+                refuse("expected a part of forgetting " + shortest(lambda) + ", found " + shortest(std::get<0>(other)));
             if (part == this) filters_.merge(Filters(filters_));
             else filters_.merge(part->filters_);
             left_out_ += part->left_out_;
@@ -133,8 +149,9 @@ public:
         }
     }
     void theta(double* out) const override {
-        Eigen::Map<Eigen::Matrix<double, Dynamic, Dynamic, Eigen::RowMajor>>(out, size(), outputs()) =
-            filters_.theta().template cast<double>();
+        Eigen::Map<Eigen::Matrix<double, Dynamic, Dynamic, Eigen::RowMajor>> to(out, size(), outputs());
+        if (health_ == Health::undetermined && known() == health_) to.setConstant(undefined<double>());
+        else to = filters_.theta().template cast<double>();
     }
     bool reports_covariance() const override { return ReportsCovariance<F>; }
     void matrix(double* out) const override {
@@ -165,10 +182,13 @@ public:
     std::unique_ptr<Outputs> clone() const override { return std::make_unique<OutputsIn>(*this); }
 
 private:
-    /// As far as the first theta shows it, where there was no row: not all are solved for.
+    /// Of the rows so far, where there was no last one: as a row of zeros tells, and the first theta.
     Health known() const {
-        auto const theta = filters_.filter().theta();
-        return all_finite<T>(theta) ? Health::sound : Health::undetermined;
+        Filters next = filters_;
+        Vector<T> const psi = Vector<T>::Zero(size()), y = Vector<T>::Zero(outputs());
+        bool open = !all_finite<T>(filters_.filter().theta());
+        for (auto const& step : next.update(psi, y)) open = open || step.health == Health::undetermined;
+        return open ? Health::undetermined : Health::sound;
     }
 };
 
