@@ -150,9 +150,12 @@ def python_page(headers):
     for name, title in (("_filter", "Filters"), ("_stateful", "States and copies"), ("__init__", "By name"),
                         ("fleet", "Fleets"), ("outputs", "Several outputs"), ("_compare", "Compare"),
                         ("_certified", "Certified"), ("_identify", "Identify"), ("_studies", "Studies"),
-                        ("results", "Statistics of a record"), ("sklearn", "scikit-learn")):
+                        ("results", "Statistics of a record"), ("sklearn", "scikit-learn"),
+                        ("_classifier", "Classification for scikit-learn")):
         tree = ast.parse((package / f"{name}.py").read_text())
         module = "rlslab" if name.startswith("_") else f"rlslab.{name}"
+        if name == "_classifier":
+            module = "rlslab.sklearn"
         found = [python_object(n, module) for n in tree.body if isinstance(n, (ast.FunctionDef, ast.ClassDef))]
         if any(found):
             out += [title, "-" * len(title), "", *found]

@@ -27,8 +27,9 @@ These and `excitation`, `study`, `sweep` and `cite` run the program `rlslab`, `c
 
 from __future__ import annotations
 
+import importlib
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _options, _variants
 from ._certified import Certified, certified
@@ -118,6 +119,15 @@ def load(path: Path) -> Filter:
         return from_state(state)
     except ValueError as error:
         raise ValueError(f"{os.fspath(path)!s}: {error}") from None
+
+
+if not TYPE_CHECKING:    # to which any name would be one
+
+    def __getattr__(name: str) -> Any:
+        """The modules that are loaded when they are named."""
+        if name in ("results", "sklearn"):
+            return importlib.import_module(f"{__name__}.{name}")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
 
 
 __all__ = [

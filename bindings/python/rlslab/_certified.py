@@ -154,7 +154,7 @@ class Certified:
         return self._digits(theta)[1]
 
     def _digits(self, theta: ArrayLike) -> tuple[float, float]:
-        given = _rows.row(theta, self._size).astype(np.float64)
+        given = _rows.row(theta, self._size, "theta").astype(np.float64)
         return self._solution.digits(_rows.contiguous(given))
 
     def __array__(self, dtype: object = None, copy: object = None) -> Floats:

@@ -67,7 +67,8 @@ def row(psi: ArrayLike, size: int, name: str = "psi") -> Numbers:
     """psi as d contiguous numbers."""
     array = numbers(psi, name)
     if array.shape != (size,):
-        raise ValueError(f"{name} has shape {array.shape}, expected ({size},)")
+        many = "; update_many takes many rows" if array.ndim == 2 and name != "theta" else ""
+        raise ValueError(f"{name} has shape {array.shape}, expected ({size},){many}")
     return contiguous(array)
 
 

@@ -14,6 +14,16 @@ Self = TypeVar("Self", bound="Stateful")
 PICKLE = 1
 
 
+def in_pythons_words(error: ValueError) -> ValueError:
+    """The native layer's line with the names that Python has."""
+    words = {" in float with": " in float32 with", " in double with": " in float64 with"}
+    words |= {"leave_out leaves": 'unusable="leave_out" leaves', "without a prior:": "of prior_variance=None:"}
+    line = str(error)
+    for native, ours in words.items():
+        line = line.replace(native, ours)
+    return ValueError(line)
+
+
 class Stateful:
     """`_made` is what it was made with."""
 
@@ -48,7 +58,10 @@ class Stateful:
         ValueError
             If the bytes are damaged, or of another; this one is then as it was.
         """
-        self._load(state)
+        try:
+            self._load(state)
+        except ValueError as error:
+            raise in_pythons_words(error) from None
 
     def save(self, path: Path) -> None:
         """Write `state` to a file, which holds the old bytes or the new whenever the program ends.

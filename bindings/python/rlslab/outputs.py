@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _core, _options, _rows
 from ._filter import HEALTHS, STEP
-from ._stateful import Stateful
+from ._stateful import Stateful, in_pythons_words
 
 Self = TypeVar("Self", bound="Outputs")
 
@@ -52,6 +52,7 @@ class Outputs(Stateful, _core.Outputs):
     """
 
     __slots__ = ("_made",)
+    _merges = True
 
     def __new__(
         cls: type[Self],
@@ -145,13 +146,17 @@ class Outputs(Stateful, _core.Outputs):
         """
         _options.one_of(unusable, ("refuse", "leave_out"), "unusable")
         P, V = _rows.tables(X, Y, self.size, self.outputs)
-        return HEALTHS[self._update_many(P, V, unusable == "leave_out")]
+        try:
+            return HEALTHS[self._update_many(P, V, unusable == "leave_out")]
+        except ValueError as error:
+            raise in_pythons_words(error) from None
 
     def merge(self, newer: Outputs) -> None:
-        """Append the rows of `newer`, which was made without a prior, to those taken. Of `qr_block` alone.
+        """Append the rows of `newer`, made with ``prior_variance=None``, to those taken. Of `qr_block` alone.
 
-        Parts of the rows can so be taken in parallel, and merged in a tree: docs/python.md has one. ValueError for
-        another variant, size, dtype or number of outputs; this one is then as it was.
+        This one may have a prior, which counts once. Parts of the rows can so be taken in parallel, and merged in a
+        tree: docs/python.md has one. ValueError for another variant, size, dtype, forgetting or number of outputs, and
+        for `filter_` of an estimator, whose rows are less its first one; this one is then as it was.
 
         Examples
         --------
@@ -162,7 +167,12 @@ class Outputs(Stateful, _core.Outputs):
         >>> older.theta.round(6).tolist()
         [[1.0, 2.0], [3.0, 4.0]]
         """
-        self._merge(newer)
+        if not (self._merges and getattr(newer, "_merges", True)):
+            raise ValueError("rows of an estimator are less its first one: merge parts of rlslab.QrBlock in its place")
+        try:
+            self._merge(newer)
+        except ValueError as error:
+            raise in_pythons_words(error) from None
 
     def add_outputs(self, more: int) -> None:
         """Append outputs that were 0 in all rows so far, as a class is that was not seen before: exactly.

@@ -7,102 +7,19 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
-from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin  # type: ignore[import]
-from sklearn.exceptions import NotFittedError  # type: ignore[import]
-from sklearn.utils.multiclass import check_classification_targets  # type: ignore[import]
+from sklearn.base import RegressorMixin  # type: ignore[import]
 from sklearn.utils.validation import check_is_fitted, column_or_1d  # type: ignore[import]
 
-from . import HEALTHS, SIGNALS, Filter, Outputs, _options, _rows, filter
+from . import HEALTHS, SIGNALS, Filter, Outputs, _options, filter
+from ._classifier import RLSClassifier
+from ._linear import Linear, validated, with_advice
+
+__all__ = ["RLSClassifier", "RLSRegressor"]
 
 Self = TypeVar("Self", bound="RLSRegressor")
-Classifier = TypeVar("Classifier", bound="RLSClassifier")
 
 
-def _validated(estimator: Any, *given: Any, finite: bool = True, labels: bool = False, **how: Any) -> Any:
-    """scikit-learn's look at X and y, a function from 1.6 on and a method before; in one line what it refuses."""
-    try:
-        from sklearn.utils.validation import validate_data
-    except ImportError:
-        how["force_all_finite"], validate = finite, type(estimator)._validate_data
-    else:
-        how["ensure_all_finite"], validate = finite, validate_data
-    for name, part in zip("X" if labels else "Xy", given):
-        rows = part if isinstance(part, (list, tuple)) else ()
-        if any(isinstance(one, np.ma.MaskedArray) and np.any(one.mask) for one in (part, *rows)):
-            raise _rows.is_masked(name)
-        of_pandas = hasattr(part, "dtypes") and hasattr(part, "to_numpy")
-        if of_pandas or (isinstance(part, np.ndarray) and part.dtype.kind in "mMUSV"):
-            _rows.numbers(part, name)    # names the column that has none
-    try:
-        valid = validate(estimator, *given, **how)
-        if labels:
-            return valid
-        if len(given) > 1:    # in float64: what is taken off y is not to round it
-            valid = valid[0], _rows.numbers(valid[1], "y").astype(np.float64)
-        if len(given) > 1 and valid[1].dtype.kind == "f" and not np.isfinite(valid[1]).all():    # of a None
-            raise ValueError("Input y contains NaN.")
-        return valid
-    except ValueError as error:
-        line, more, _ = str(error).partition("\n")
-        of_y = line.startswith("Input y contains") or line == "Input contains NaN"    # the latter of objects
-        if not of_y and (not more or "NaN" not in line):
-            raise
-        guard = "" if of_y else ', or guard="reset", which skips and counts them in fit and partial_fit'
-        raise ValueError(f"{line.rstrip('.')}: leave such rows out{guard}") from None
-
-
-class _Linear(BaseEstimator):  # type: ignore[misc]
-    """What both estimators do: the filter's rows, and several outputs of them."""
-
-    filter_: Any
-    _first: NDArray[np.float64]    # the first row, and its y; 0 where no constant takes up what they leave out
-    _first_y: Any
-    coef_: NDArray[np.float64]
-    intercept_: Any
-
-    def _rows(self, X: NDArray[Any]) -> NDArray[Any]:
-        """The filter's rows: less the first one, so that an offset costs no digits, and a 1."""
-        rows = np.asarray(X, dtype=np.float64)
-        return np.column_stack([rows - self._first, np.ones(len(rows))]) if self.fit_intercept else rows
-
-    def _start_several(self, outputs: int) -> None:
-        if self.prior_variance == np.inf:
-            raise ValueError("expected a finite prior_variance, or None: no prior")
-        try:
-            self.filter_ = Outputs(
-                self.variant, self.n_features_in_ + bool(self.fit_intercept), outputs, forgetting=self.forgetting,
-                prior_variance=self.prior_variance, dtype=self.dtype,
-            )  # fmt: skip
-        except ValueError as error:
-            raise _with_advice(error) from None
-        self._first, self._first_y = np.zeros(self.n_features_in_), np.zeros(outputs)
-
-    def _take_several(self, X: NDArray[Any], Y: NDArray[Any], whole: bool) -> None:
-        health = self.filter_.update_many(self._rows(X), Y - self._first_y)
-        self._theta = self.filter_.theta.astype(np.float64)
-        theta = self._theta.T
-        self.coef_, self.intercept_ = theta[:, : self.n_features_in_], self._first_y
-        if self.fit_intercept:
-            self.intercept_ = self._first_y + theta[:, -1] - self.coef_ @ self._first
-        if health in ("nonfinite", "indefinite") or (whole and not np.isfinite(theta).all()):
-            raise ValueError(
-                f"n_samples = {len(X)}: the rows leave no theta of {self.filter_.size} parameters, health {health}: "
-                "leave out columns that depend on others or are constant, or give prior_variance (a ridge of 1 / "
-                "prior_variance)"
-            )
-
-    def _predicted(self, X: NDArray[Any]) -> NDArray[np.float64]:
-        """Of several outputs, shape (n, m)."""
-        out: NDArray[np.float64] = self._rows(X) @ self._theta + self._first_y
-        return out
-
-
-def _with_advice(error: ValueError) -> ValueError:
-    wanted = "; prior_variance gives one, qr needs none" if str(error).startswith("expected a prior:") else ""
-    return ValueError(f"{error}{wanted}")
-
-
-class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
+class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
     """Linear regression by recursive least squares: rows can come in parts, and old ones can be forgotten.
 
     There is no prior, so that no unit, offset or scale of the data changes the answer. The variants that can start so
@@ -132,7 +49,8 @@ class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
         Rows that a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which
         show theta. NaN for too few rows.
     filter_ : rlslab.Filter, or rlslab.Outputs of several columns of y
-        With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first.
+        With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first. So it
+        does not merge with another's.
 
     Examples
     --------
@@ -182,7 +100,7 @@ class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
         return self._fitted(X, y, first=not hasattr(self, "filter_"), whole=False)
 
     def _fitted(self: Self, X: ArrayLike, y: ArrayLike, first: bool, whole: bool) -> Self:
-        rows, outputs = _validated(
+        rows, outputs = validated(
             self, X, y, y_numeric=True, multi_output=True, reset=first, finite=self.guard is None
         )
         if outputs.shape[1:] == (1,):
@@ -208,7 +126,7 @@ class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
         Several columns of y have no `return_std`.
         """
         check_is_fitted(self)
-        valid = _validated(self, X, reset=False)
+        valid = validated(self, X, reset=False)
         if isinstance(self.filter_, Outputs):
             if return_std:
                 raise ValueError("return_std is of one column of y")
@@ -296,7 +214,7 @@ class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
         try:
             self.filter_ = self._made(self.window)
         except ValueError as error:
-            raise _with_advice(error) from None
+            raise with_advice(error) from None
         self._first = np.full(self.n_features_in_, np.nan if self.fit_intercept else 0.0)
         self._first_y = np.float64(self._first[0])
         self._n, self._sum, self._weight = 0, 0.0, 0.0    # rows since the start; of the squares, and of their weights
@@ -345,106 +263,3 @@ class RLSRegressor(RegressorMixin, _Linear):  # type: ignore[misc]
         tags = super().__sklearn_tags__()
         tags.target_tags.multi_output = True
         return tags
-
-
-class RLSClassifier(ClassifierMixin, _Linear):  # type: ignore[misc]
-    """Classification by recursive least squares on 0 and 1: a column for each class, the largest score wins.
-
-    Rows can come in parts, and so can classes: one that appears later is as if its column had been 0 from the first row
-    on, exactly. There is no prior, as in `RLSRegressor`: columns that are constant or depend on others need one.
-
-    Parameters
-    ----------
-    variant : str
-        One of `rlslab.variants()`, but `kalman` and `extended_qr`. `qr_block` takes 256 rows at a time.
-    prior_variance : float or None
-        c^2 of P0 = c^2 I, a ridge of 1 / c^2 on all coefficients, the constant too. A variant other than `qr`,
-        `qr_block`, `gentleman` and `information` needs it.
-    forgetting, dtype
-        As of `rlslab.Filter`.
-    fit_intercept : bool
-        Whether a constant is estimated, too.
-
-    Attributes
-    ----------
-    classes_ : ndarray of shape (n_classes,)
-        Those seen so far, in order.
-    coef_ : ndarray of shape (n_classes, n_features)
-        NaN after `partial_fit` where the rows so far do not determine them.
-    intercept_ : ndarray of shape (n_classes,)
-    n_features_in_ : int
-    filter_ : rlslab.Outputs
-        Its outputs are the classes in the order in which they came.
-
-    Examples
-    --------
-    >>> from rlslab.sklearn import RLSClassifier
-    >>> model = RLSClassifier().partial_fit([[0.0], [1.0], [5.0], [6.0]], ["low", "low", "mid", "mid"])
-    >>> model.partial_fit([[10.0], [11.0]], ["high", "high"]).predict([[0.5], [10.5]])
-    array(['low', 'high'], dtype='<U4')
-    """
-
-    def __init__(
-        self,
-        variant: str = "qr_block",
-        *,
-        forgetting: float = 1.0,
-        prior_variance: float | None = None,
-        dtype: DTypeLike = "float64",
-        fit_intercept: bool = True,
-    ) -> None:
-        self.variant = variant
-        self.forgetting = forgetting
-        self.prior_variance = prior_variance
-        self.dtype = dtype
-        self.fit_intercept = fit_intercept
-
-    def fit(self: Classifier, X: ArrayLike, y: ArrayLike) -> Classifier:
-        """Forget all and process these rows. ValueError for data that are not finite or do not determine theta."""
-        return self._fitted(X, y, None, first=True, whole=True)
-
-    def partial_fit(self: Classifier, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Classifier:
-        """Process these rows after those before. `classes`: labels that later rows will have; none has to be named."""
-        return self._fitted(X, y, classes, first=not hasattr(self, "filter_"), whole=False)
-
-    def _fitted(
-        self: Classifier, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, first: bool, whole: bool
-    ) -> Classifier:
-        rows, labels = _validated(self, X, y, reset=first, labels=True)
-        check_classification_targets(labels)
-        there = np.unique(labels if classes is None else np.concatenate([np.asarray(classes), labels]))
-        known: NDArray[Any] = there[:0] if first else self._labels
-        if (known.dtype.kind in "OSU") != (there.dtype.kind in "OSU"):
-            raise ValueError(f"labels of {there.dtype} after labels of {known.dtype}")
-        new = np.setdiff1d(there, known)
-        if first:
-            self._start_several(len(new))
-            self._first = rows[0].astype(np.float64) if self.fit_intercept else self._first
-        elif len(new):
-            self.filter_.add_outputs(len(new))
-            self._first_y = np.zeros(len(known) + len(new))
-        self._labels: NDArray[Any] = np.concatenate([known, new])
-        self._order = np.argsort(self._labels)
-        self.classes_ = self._labels[self._order]
-        Y = np.zeros((len(labels), len(self._labels)))
-        Y[np.arange(len(labels)), self._order[np.searchsorted(self.classes_, labels)]] = 1
-        self._take_several(rows, Y, whole)
-        self.coef_, self.intercept_ = self.coef_[self._order], self.intercept_[self._order]
-        return self
-
-    def _scores(self, X: ArrayLike) -> NDArray[np.float64]:
-        check_is_fitted(self)
-        scores = self._predicted(_validated(self, X, reset=False))[:, self._order]
-        if not np.isfinite(scores).all():
-            raise NotFittedError("the rows so far do not determine theta: more rows, or prior_variance")
-        return scores
-
-    def decision_function(self, X: ArrayLike) -> NDArray[np.float64]:
-        """The scores, shape (n, n_classes); of two classes the second's less the first's, shape (n,)."""
-        scores = self._scores(X)
-        return scores[:, 1] - scores[:, 0] if scores.shape[1] == 2 else scores
-
-    def predict(self, X: ArrayLike) -> NDArray[Any]:
-        """The class of the largest score, the first of equal ones."""
-        best = self._scores(X).argmax(axis=1)
-        return np.asarray(self.classes_[best])
