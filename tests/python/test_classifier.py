@@ -13,6 +13,7 @@ from sklearn.exceptions import NotFittedError    # noqa: E402
 from sklearn.linear_model import LinearRegression    # noqa: E402
 from sklearn.utils.estimator_checks import check_estimator    # noqa: E402
 
+import rlslab    # noqa: E402
 from rlslab.sklearn import RLSClassifier, RLSRegressor    # noqa: E402
 
 CHECKS = list(check_estimator(RLSClassifier(), generate_only=True))
@@ -72,6 +73,45 @@ def test_columns_that_are_refused():
         RLSRegressor().fit(np.column_stack([X, X[:, 0]])[:4], Y[:4])
     with pytest.raises(ValueError, match="NaN"):
         RLSRegressor().fit(X, np.where(Y == 2, np.nan, Y))
+    holed = np.where(X > 6, np.nan, X)
+    for call in (
+        lambda: RLSRegressor().fit(holed, Y), lambda: model.partial_fit(holed, Y), lambda: model.predict(holed),
+        lambda: RLSClassifier().fit(holed, y), lambda: RLSClassifier().fit(X, y).predict(holed),
+    ):    # fmt: skip
+        with pytest.raises(ValueError, match="leave such rows out$"):
+            call()
+    with pytest.raises(ValueError, match='guard="reset"'):
+        RLSRegressor().fit(holed, y)
+
+
+@pytest.mark.parametrize("variant", ["qr", "qr_block", "gentleman", "information"])
+def test_too_few_rows(variant):
+    """30 rows of 64 columns: refused by `fit`, in the same words; NaN, and no prediction, after `partial_fit`."""
+    numbers = np.random.default_rng(1)
+    X, Y = numbers.standard_normal((30, 64)), numbers.standard_normal((30, 2))
+    y = np.arange(30) % 3
+    said = "n_samples = 30: the rows leave no theta of 65 parameters, health undetermined: leave out columns that"
+    with pytest.raises(ValueError, match=said):
+        RLSRegressor(variant).fit(X, Y)
+    with pytest.raises(ValueError, match=said):
+        RLSClassifier(variant).fit(X, y)
+    assert np.isnan(RLSRegressor(variant).partial_fit(X, Y).coef_).all()
+    model = RLSClassifier(variant).partial_fit(X, y)
+    with pytest.raises(NotFittedError, match="the rows so far do not determine theta"):
+        model.predict(X)
+    with pytest.raises(ValueError, match="determine 65 parameters"):
+        RLSRegressor(variant).fit(X, Y[:, 0])
+    enough = numbers.standard_normal((65, 64))
+    assert np.isfinite(RLSRegressor(variant).fit(enough, enough[:, :2]).coef_).all()
+
+
+def test_filters_of_estimators_do_not_merge():
+    X, y = flowers()
+    parts = [RLSClassifier().fit(X[:75], y[:75]), pickle.loads(pickle.dumps(RLSClassifier().fit(X[75:], y[75:])))]
+    own = rlslab.QrBlock(5, outputs=3, prior_variance=None)
+    for older, newer in (parts, (own, parts[1].filter_), (parts[0].filter_, own)):
+        with pytest.raises(ValueError, match="less its first one"):
+            getattr(older, "filter_", older).merge(getattr(newer, "filter_", newer))
 
 
 @pytest.mark.parametrize("variant", OWN_PRIOR)
@@ -107,7 +147,7 @@ def test_a_class_that_appears_later_was_zero(variant):
 
 def test_digits_in_parts():
     X, y = load_digits(return_X_y=True)
-    with pytest.raises(ValueError, match="constant, or give prior_variance"):
+    with pytest.raises(ValueError, match=r"constant \(0, 32, 39\), or give prior_variance"):
         RLSClassifier().fit(X, y)
     model = RLSClassifier(prior_variance=100, dtype="float32")
     for k in range(0, 1200, 100):

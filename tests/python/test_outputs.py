@@ -3,6 +3,7 @@
 import copy
 import pickle
 import re
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import reduce
@@ -72,6 +73,35 @@ def test_what_a_square_root_is():
         _ = rlslab.Symmetric(2, outputs=2).factor
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("variant", ["qr", "qr_block", "gentleman", "information"])
+def test_theta_is_nan_until_the_rows_determine_it(variant, dtype):
+    """Also of a state, a merged one and a column twice; and from row d on it is there, row by row and in blocks."""
+    X, Y = record(30, 8)
+    f = rlslab.CLASSES[variant](8, outputs=3, prior_variance=None, dtype=dtype)
+    f.update_many(X[:7], Y[:7])
+    by_row = f.copy()
+    others = [rlslab.from_state(f.state), pickle.loads(pickle.dumps(f))]
+    if variant == "qr_block":
+        others.append(rlslab.QrBlock(8, outputs=3, prior_variance=None, dtype=dtype))
+        others[-1].merge(f)
+    for one in (f, *others):
+        assert np.isnan(one.theta).all() and one.health == "undetermined"
+        one.update_many(X[7:8], Y[7:8])
+        assert np.isfinite(one.theta).all() and np.array_equal(one.theta, f.theta)
+    by_row.update(X[7], Y[7])
+    assert np.isfinite(by_row.theta).all()
+    twice = rlslab.CLASSES[variant](9, outputs=3, prior_variance=None, dtype=dtype)
+    assert twice.update_many(np.column_stack([X, X[:, 0]]), Y) == "undetermined" and np.isnan(twice.theta).all()
+
+
+def test_modules_are_loaded_when_named():
+    pytest.importorskip("sklearn")
+    program = "import rlslab, sys; assert 'sklearn' not in sys.modules; rlslab.sklearn.RLSClassifier(); rlslab.other"
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True).stderr
+    assert said.endswith("AttributeError: module 'rlslab' has no attribute 'other'\n")
+
+
 def part(X, Y):
     f = rlslab.QrBlock(4, outputs=3, prior_variance=None)
     f.update_many(X, Y)
@@ -119,9 +149,16 @@ def test_parts_merge_in_a_tree_of_threads():
     assert np.allclose(parts[0].theta, expected, rtol=1e-12) and np.allclose(chain.theta, expected, rtol=1e-12)
     again = reduce(merged, map(pickle.loads, first))
     assert again.state == chain.state
-    for other in (rlslab.QrBlock(4, outputs=3), rlslab.QrBlock(4, outputs=2, prior_variance=None)):
-        with pytest.raises(ValueError, match="expected a part"):
-            again.merge(other)
+    for options, said in (
+        ({"prior_variance": 16384}, "expected a newer part of prior_variance=None: only the older one's counts"),
+        ({"forgetting": 0.99}, "expected a part of forgetting 1, found 0.99"),
+        ({"outputs": 2}, "parameters and 3 outputs, found qr_block in float64 with 4 parameters and 2 outputs"),
+        ({"dtype": "float32"}, "in float64 with 4 parameters and 3 outputs, found qr_block in float32 with 4"),
+    ):
+        other = rlslab.QrBlock(4, **{"outputs": 3, "prior_variance": None, **options})
+        for one in (other, rlslab.from_state(other.state)):    # whose options are in the state alone
+            with pytest.raises(ValueError, match=said):
+                again.merge(one)
     with pytest.raises(ValueError, match="qr_block does"):
         rlslab.Qr(4, outputs=3).merge(again)
     with pytest.raises(TypeError, match="outputs="):
@@ -135,7 +172,7 @@ def test_an_unusable_row(variant):
     X[3, 1] = Y[300, 2] = np.nan
     f, cleaned = (rlslab.CLASSES[variant](4, outputs=3) for _ in range(2))
     before = f.state
-    with pytest.raises(ValueError, match=r"^row 3, .*leave_out.*$"):
+    with pytest.raises(ValueError, match=r"^row 3, .*; unusable=\"leave_out\" leaves.*$"):
         f.update_many(X, Y)
     assert f.state == before and f.left_out == 0
     assert f.update_many(X, Y, unusable="leave_out") == "sound" and f.left_out == 2
@@ -179,6 +216,8 @@ def test_states_copies_pickles_files(tmp_path):
         rlslab.from_state(f.state[:-1])
     with pytest.raises(ValueError, match="state"):
         rlslab.Ud(4, outputs=2, dtype="float32").restore(f.state)
+    with pytest.raises(ValueError, match="another arithmetic: ud in float32 with 4 parameters"):
+        rlslab.Ud(4, outputs=3).restore(f.state)
     f.reset()
     assert f.state == rlslab.Ud(4, outputs=3, dtype="float32", prior_covariance=np.eye(4)).state
 
@@ -229,6 +268,9 @@ def test_no_rows_and_single_ones():
     for psi, y in (([1, 2, 3], [1, 2, 3]), ([1, 2, 3, 4], [1, 2]), ([1, 2, 3, 4], 1.0)):
         with pytest.raises(ValueError, match="has shape"):
             f.update(psi, y)
+    for one, y in ((f, np.zeros((9, 3))), (rlslab.Ud(4), 0.0)):
+        with pytest.raises(ValueError, match=r"psi has shape \(9, 4\), expected \(4,\); update_many takes many rows"):
+            one.update(np.zeros((9, 4)), y)
     with pytest.raises(ValueError, match="unusable"):
         f.update_many(np.zeros((1, 4)), np.zeros((1, 3)), unusable="skip")
     steps = f.update([1, 2, 3, 4], [1.0, np.nan, 2.0])    # the row is lost for all
