@@ -155,8 +155,8 @@ class Outputs(Stateful, _core.Outputs):
         """Append the rows of `newer`, made with ``prior_variance=None``, to those taken. Of `qr_block` alone.
 
         This one may have a prior, which counts once. Parts of the rows can so be taken in parallel, and merged in a
-        tree: docs/python.md has one. ValueError for another variant, size, dtype, forgetting or number of outputs, and
-        for `filter_` of an estimator, whose rows are less its first one; this one is then as it was.
+        tree: docs/python.md has one. ValueError for another variant, size, dtype, forgetting or number of outputs; this
+        one is then as it was. So it is for `filter_` of an estimator, whose rows are less its first one.
 
         Examples
         --------
