@@ -288,6 +288,20 @@ TEST(Outputs, AMissingOutputCostsItsRow) {
     EXPECT_TRUE(std::isnan(steps[1].innovation));
 }
 
+TEST(Outputs, ThetaIsNanUntilTheRowsDetermineIt) {
+    Given const given;
+    for (char const* const variant : {"qr", "qr_block", "gentleman", "information"}) {
+        Handle const filter = made(variant, "double", 0);
+        double theta[d * m];
+        rlslab_outputs_update_many(filter.get(), given.X.data(), 0, given.Y.data(), 0, d - 1, 0);
+        rlslab_outputs_theta(filter.get(), theta);
+        EXPECT_THAT(theta, testing::Each(testing::IsNan())) << variant;
+        rlslab_outputs_update(filter.get(), &given.X[(d - 1) * d], &given.Y[(d - 1) * m], nullptr);
+        rlslab_outputs_theta(filter.get(), theta);
+        EXPECT_THAT(theta, testing::Each(testing::Not(testing::IsNan()))) << variant;
+    }
+}
+
 TEST(Outputs, ThreadsDoNotChangeTheBits) {
     Given const given;
     std::vector<std::vector<std::byte>> states;
