@@ -64,13 +64,11 @@ public:
     }
     Innovation<T> look(Regressor<T> psi, T y) requires errors_are_relative<T> {
         keep_regressor(psi, row_, x_);
-        y_ = y;
-        auto const [e, s] = solved(y);
+        y_ = y; auto const [e, s] = solved(y);
         return {select(lengths_.determined(L_), e, undefined<T>()), s};
     }
     Step<T> commit(Innovation<T> const& row) requires errors_are_relative<T> {
-        Truth<T> const determined = lengths_.determined(L_);
-        psi_ = row_;
+        Truth<T> const determined = lengths_.determined(L_); psi_ = row_;
         return finish(row, y_, determined, lengths_.begin_row(lambda_, psi_, y_, L_));
     }
 
@@ -80,7 +78,9 @@ public:
     void gain(StateVector<T, N>& out) const { out = psi_; solve_outer(L_, out); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    RootInformation<T, N> form() requires Field<T> { return {lambda_, root_lambda_, z_, x_, c_, s_, u_, L_, lengths_}; }
+    auto form() requires Field<T> {
+        return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, u_, L_, lengths_};
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_); }
 
 private:

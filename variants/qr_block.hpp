@@ -88,8 +88,8 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    LastReflections<T, N> last_row() requires Field<T> {
-        return {root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_};
+    auto last_row() requires Field<T> {
+        return LastReflections<T, N>{root_lambda_, root_gamma_, z_, x_, tau_, L_, lengths_};
     }
     static auto state(auto& f) {
         return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_);
