@@ -276,7 +276,9 @@ Study const test_time_layer{
         "State: the numbers kept from token to token. H with 30 steps of conjugate gradients, or of Chebyshev's "
         "iteration with 0.02 ||H||_F, are the layers' own; qr and gentleman keep a triangle of H and add the ridge at "
         "the solve; forms of P have the ridge as a prior, which fades with the gate, and are judged by that problem. "
-        "long_D: the d numbers of D stay in float.",
+        "long_D: the d numbers of D stay in float. Seen: rounded once or every 16 rows a 16-bit triangle has 0.006 of the "
+        "output; at each row with g = 0.99, and not with 0.999 or 1. A stored P is lost or stands still in bfloat16; "
+        "no factor was lost there, and two of 6864 factors had an infinity in binary16 (docs/short_words.md).",
     .data =
         "keys of norm 1 in bfloat16, of condition kappa in drawn directions; values of 8 channels, half noise; 4 white "
         "queries for x, 4 drawn as the keys for the output; the error of the truth is bounded in each row",
@@ -307,11 +309,11 @@ Study const test_time_layer{
     // The last number of each: the probability that was given to "holds" before any run.
     .claims =
         {
-            {"the truth is known: the proven bound of its error, with the ridge at the solve, is below 1e-6",
+            {"the truth is known: the bound of its error, with the ridge at the solve, is below 1e-6 in most runs",
              if_there(
                  where("variant", std::vector<std::string>{"H", "qr", "gentleman"}),
-                 [](Table const& t) { return within(t, {"size"}, greatest("truth").as(Estimate::every), 0, 1e-6); }),
-             verification("a bound: the ridge is below the least eigenvalue; the residual in double")},
+                 [](Table const& t) { return within(t, {"size"}, greatest("truth").as(Estimate::most), 0, 1e-6); }),
+             verification("the least eigenvalue is not below the ridge; residual, rounding of H and of the residual")},
             {"d = 128, g = 0.999, fp16 at each row: the output of gentleman errs by less than 0.006",
              lies(of(decode, {"gentleman"}), "output", 0, 0.006), set_before, 0.45},
             {"and that of ud, on its own problem", lies(of(decode, {"ud"}), "output", 0, 0.006), set_before, 0.35},
