@@ -333,7 +333,7 @@ void draw_more(std::vector<CatalogueEntry const*> const& entries, std::vector<Ar
         for (size_t i = known.size() + 1; i < last && !a->stochastic; ++i)
             known.push_back(rounded_problem(drawn(records, i), given.problem,
                                             name == "double" ? std::function<double(double)>(as_is) : a->round, {{}},
-                                            prepared.digits.at(name)));
+                                            prepared.digits.at(name), {}, false));
     }
     std::vector<size_t> which;
     for (Arithmetic const* const a : in) {

@@ -49,7 +49,7 @@ std::vector<Index> looked_at(Index rows, Index d) {
     std::vector<Index> const all = checkpoints_of(rows);
     std::vector<Index> out;
     for (size_t i = all.size(); i > 0; i -= std::min<size_t>(i, 4))
-        if (all[i - 1] >= std::min(rows, 2 * d)) out.push_back(all[i - 1]);
+        if (all[i - 1] >= counted_from(rows, d)) out.push_back(all[i - 1]);
     return out;
 }
 

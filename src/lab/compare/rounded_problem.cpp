@@ -44,19 +44,29 @@ Records in_order(Records const& records, std::vector<Index> const& rows) {
     return out;
 }
 
+Index counted_from(Index rows, Index parameters) { return std::min(rows, 2 * parameters); }
+
 RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem,
                                std::function<double(double)> const& round,
                                std::vector<std::vector<Index>> const& orders, int digits,
-                               std::function<void()> const& solved) {
+                               std::function<void()> const& solved, bool first_whole) {
     RoundedProblem out{as_stored(problem, round), as_stored(records, round), false, {}};
     Prior<double> const& prior = *out.problem.prior;
     Vector<double> const P0 =
         prior.covariance ? Vector<double>(prior.covariance->diagonal()) : Vector<double>{{prior.variance}};
     out.in_range = is_forgetting_factor(out.problem.forgetting) && (P0.array() > 0).all() && P0.allFinite();
+    Index const d = records.parameters(), from = counted_from(records.rows(), d);
     for (std::vector<Index> const& rows : orders) {
         RowOrder order{rows, {}};
+        std::vector<Index> steps = checkpoints_of(records.rows());
+        if (out.in_range && !(first_whole && out.orders.empty()))
+            std::erase_if(steps, [&](Index k) {
+                if (k < from) order.exact.emplace_back(k, d, 0, Status::unresolved);
+                return k < from;
+            });
         if (out.in_range)
-            order.exact = certified(out.problem, in_order(out.records, rows), checkpoints_of(records.rows()), digits);
+            for (CertifiedSolution& at : certified(out.problem, in_order(out.records, rows), steps, digits))
+                order.exact.push_back(std::move(at));
         if (!order.exact.empty() && order.exact.back().status() != Status::certified) order.exact.clear();
         out.orders.push_back(std::move(order));
         if (solved) solved();

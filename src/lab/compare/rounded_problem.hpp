@@ -13,7 +13,8 @@ namespace rlslab::compare {
 /// The rows in one order, and the exact solution at each checkpoint.
 struct RowOrder {
     std::vector<Index> rows;  ///< row k of this order is row rows[k] of the record; empty: the record's own order
-    std::vector<CertifiedSolution> exact;  ///< one a checkpoint; empty: the stored problem has no exact solution
+    std::vector<CertifiedSolution> exact;  ///< one a checkpoint, unresolved where none was wanted; empty: the stored
+                                           ///< problem has no exact solution
 };
 
 /// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with the exact solutions of that
@@ -35,12 +36,16 @@ std::vector<Index> shuffled(Index rows, Seed& draws);
 /// forgetting the order is part of the problem.
 std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed);
 
+/// The row from which on the digits of many runs are counted: 2 d, or the last.
+Index counted_from(Index rows, Index parameters);
+
 /// `round`: how the arithmetic stores a number. `digits`: to which the exact solutions are certified. `solved` is
-/// called after each order.
+/// called after each order. The first order, which is drawn as a path, has a solution at every checkpoint if it is
+/// `first_whole`; the others from counted_from() on: a solution takes d^3 operations in balls.
 RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem,
                                std::function<double(double)> const& round,
                                std::vector<std::vector<Index>> const& orders, int digits,
-                               std::function<void()> const& solved = {});
+                               std::function<void()> const& solved = {}, bool first_whole = true);
 
 /// These rows of the record, in this order; all rows where none are named.
 Records in_order(Records const& records, std::vector<Index> const& rows);

@@ -125,7 +125,7 @@ Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, Run
                .asymmetry = first.asymmetry};
     PerMeasure<std::vector<std::optional<double>>> all;
     std::vector<Index> const checkpoints = checkpoints_of(rounded.records.rows());
-    Index const from = std::min(rounded.records.rows(), 2 * rounded.records.parameters());
+    Index const from = counted_from(rounded.records.rows(), rounded.records.parameters());
     auto const spread = [&](std::vector<Run> const& of, int& broken) -> std::optional<PerMeasure<Spread>> {
         all = {};
         for (Run const& one : of) {
@@ -232,7 +232,7 @@ bool settled(std::vector<Result const*> const& results, std::vector<Runs const*>
     size_t const of_named = place([&](Result const* r) { return r->entry->variant == named; });
     std::vector<Run> const& own = runs[of_named]->own;
     if (own.size() < 2) return false;
-    Index const from = std::min(checkpoints.back(), 2 * Index(own.front().theta.size()));
+    Index const from = counted_from(checkpoints.back(), Index(own.front().theta.size()));
     for (size_t m = 0; m < 3; ++m) {
         size_t best = of_named;
         auto const mid = [&](size_t i) { return ((*results[i]->spread).*PerMeasure<Spread>::all()[m]).median; };
