@@ -10,7 +10,8 @@
 
 namespace rlslab::studies {
 
-/// H = sum_t g^(N-t) k_t k_t' and G = sum_t g^(N-t) v_t k_t' of N tokens; the layer answers G x, x = (H + ridge I)^-1 q.
+/// H = sum_t g^(N-t) k_t k_t' and G = sum_t g^(N-t) v_t k_t' of N tokens; the layer answers G x with
+/// x = (H + ridge I)^-1 q.
 struct Layer {
     static constexpr double ridge = 0.25;
     static constexpr Index channels = 8, queries = 4;  // queries of each kind
