@@ -112,6 +112,33 @@ void theta_of_side(NormalEquations<T, N> f, StateVector<T, N>& b) {
     if (!f.solved) f.solve();
     solve_ldl(f.L, f.D, f.positive, b);
 }
+/// The same for all columns of Z: each column of L is read once for all, the operations are those of one.
+template <class T, int N>
+void solve_lower_transposed_all(StateMatrix<T, N> const& L, auto&& Z) {
+    Index const d = Z.rows();
+    for (Index i = d - 1; i >= 0; --i)
+        for (Index j = 0; j < Z.cols(); ++j) {
+            T* const x = Z.col(j).data();
+            if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x + i + 1, d - i - 1);
+            x[i] /= L(i, i);
+        }
+}
+template <class F>
+void thetas_of_sides(F f, auto&& Z) {
+    if constexpr (requires { f.b; }) {
+        auto b = f.b;
+        for (Index j = 0; j < Z.cols(); ++j) {
+            for (Index i = 0; i < Z.rows(); ++i) b[i] = Z(i, j);
+            theta_of_side(f, b);
+            Z.col(j) = b.view();
+        }
+    } else {
+        solve_lower_transposed_all(f.L, Z);
+        if constexpr (requires { f.D; })
+            for (Index i = 0; i < Z.rows(); ++i)
+                if (f.D[i] == 0) Z.row(i).setConstant(undefined<typename F::scalar>());
+    }
+}
 /// What shows F's last row to further right-hand sides.
 template <class F>
 auto last_row(F& f) {
@@ -273,14 +300,10 @@ public:
     /// d x m, a column an output.
     Matrix<T, N, M> theta() const {
         Matrix<T, N, M> out(psi_.size(), outputs());
-        for (Index j = 0; j < outputs(); ++j) {
-            if (j == 0) out.col(j) = filter_.theta();
-            else if constexpr (solves) {
-                StateVector<T, N> theta = theta_[size_t(j)];
-                detail::theta_of_side(detail::last_row(const_cast<F&>(filter_)), theta);  // which reads
-                out.col(j) = theta.view();
-            } else out.col(j) = theta_[size_t(j)].view();
-        }
+        out.col(0) = filter_.theta();
+        for (Index j = 1; j < outputs(); ++j) out.col(j) = theta_[size_t(j)].view();
+        if constexpr (solves)  // which reads the filter
+            detail::thetas_of_sides(detail::last_row(const_cast<F&>(filter_)), out.rightCols(outputs() - 1));
         return out;
     }
     /// theta of one output, good until the next row.
