@@ -251,7 +251,7 @@ TEST(Outputs, AreRefusedBeforeMemoryIsTaken) {
     EXPECT_THROW(from_elsewhere.add_outputs(1), std::invalid_argument);
 }
 
-/// Rows that leave directions to the prior: a constant and 31 dummies. Errors of theta and of P in float, 16 blocks of 8.
+/// Rows that leave directions to the prior: a constant and 31 dummies. Errors of theta and of P in float.
 template <class F>
 std::array<double, 2> errors_on_dummies(double variance) {
     constexpr Index d = 32, k = 8;

@@ -71,8 +71,8 @@ inline void run_team(Index threads, void (*work)(void*, Seat const&), void* with
 }  // namespace detail
 
 /// From now on n >= 1 threads share the work on each block of rows (update_block) in float and double, in all filters;
-/// one at the start. The bits are the same for any n. A block at work stays with the threads that it has. Throws std::invalid_argument
-/// for n < 1 or more than 1024.
+/// one at the start. The bits are the same for any n. A block at work stays with the threads that it has. Throws
+/// std::invalid_argument for n < 1 or more than 1024.
 inline void use_threads(Index n) {
     expects(1 <= n && n <= 1024, "1 to 1024 threads");
     [[maybe_unused]] static bool const there = [] {
