@@ -278,7 +278,8 @@ Study const test_time_layer{
         "the solve; forms of P have the ridge as a prior, which fades with the gate, and are judged by that problem. "
         "long_D: the d numbers of D stay in float. Seen: rounded once or every 16 rows a 16-bit triangle has 0.006 "
         "of the output; at each row with g = 0.99, and not with 0.999 or 1. A stored P is lost or stands still "
-        "in bfloat16; no factor was lost there, and two of 6864 factors had an infinity in binary16 (docs/short_words.md).",
+        "in bfloat16; no factor was lost there, and two of 6864 factors had an infinity in binary16 "
+        "(docs/short_words.md).",
     .data =
         "keys of norm 1 in bfloat16, of condition kappa in drawn directions; values of 8 channels, half noise; 4 white "
         "queries for x, 4 drawn as the keys for the output; the error of the truth is bounded in each row",
