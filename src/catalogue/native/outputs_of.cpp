@@ -100,7 +100,7 @@ class OutputsIn final : public Outputs {
 public:
     OutputsIn(Index outputs, Problem<T> const& problem)
         : Outputs(problem.size, F::name, ArithmeticTraits<T>::name), problem_(problem), filters_(problem, outputs),
-          health_(known()) {}
+          health_(started()) {}
 
     Index outputs() const override { return filters_.outputs(); }
     std::int32_t update(Numbers psi, Numbers y, Step* steps) override {
@@ -140,10 +140,8 @@ public:
                 refuse("expected a newer part without a prior: only the older one's counts, and once");
             if (auto const& lambda = std::get<0>(mine); std::get<0>(other) != lambda)
                 refuse("expected a part of forgetting " + shortest(lambda) + ", found " + shortest(std::get<0>(other)));
-            if (part == this) filters_.merge(Filters(filters_));
-            else filters_.merge(part->filters_);
+            health_ = part == this ? filters_.merge(Filters(filters_)) : filters_.merge(part->filters_);
             left_out_ += part->left_out_;
-            health_ = known();
         } else {
             refuse(std::string(variant()) + " does not merge; qr_block does");
         }
@@ -169,7 +167,7 @@ public:
     std::int64_t left_out() const override { return left_out_; }
     void reset() override {
         filters_ = Filters(problem_, outputs());
-        health_ = known(), left_out_ = 0;
+        health_ = started(), left_out_ = 0;
     }
     std::size_t save(std::span<std::byte> to) const override {
         return to.empty() ? rlslab::state_size(filters_) : rlslab::save(filters_, to);
@@ -182,12 +180,14 @@ public:
     std::unique_ptr<Outputs> clone() const override { return std::make_unique<OutputsIn>(*this); }
 
 private:
+    Health started() const { return problem_.prior ? Health::sound : Health::undetermined; }
     /// Of the rows so far, where there was no last one: as a row of zeros tells, and the first theta.
     Health known() const {
         Filters next = filters_;
-        Vector<T> const psi = Vector<T>::Zero(size()), y = Vector<T>::Zero(outputs());
+        std::vector<T> const psi(size_t(size()), T(0)), y(size_t(outputs()), T(0));  // no symbol of Eigen's
         bool open = !all_finite<T>(filters_.filter().theta());
-        for (auto const& step : next.update(psi, y)) open = open || step.health == Health::undetermined;
+        for (auto const& step : next.update({psi.data(), size()}, {y.data(), outputs()}))
+            open = open || step.health == Health::undetermined;
         return open ? Health::undetermined : Health::sound;
     }
 };

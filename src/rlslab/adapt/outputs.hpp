@@ -324,15 +324,20 @@ public:
     static auto state(auto& f) { return std::tie(f.filter_, f.theta_); }
 
 private:
-    /// Whether the z, and theta where F determines it, of all outputs but the first are finite.
+    /// Whether the z, and theta where F determines it, of all outputs but the first are finite. Solved for theta are
+    /// those alone whose z is beyond the root of the largest number: of others R^-1 would be as large, and so K.
     bool sides_stand(Health health)
         requires(solves)
     {
         auto const f = detail::last_row(filter_);
-        for (size_t j = 1; j < theta_.size(); ++j)
-            if (!all_finite(theta_[j]) ||
-                (health != Health::undetermined && !f.lengths.finite_too(theta_[j], room(), f.L)))
+        T const root(std::ldexp(1.0, std::min(max_exponent<T>() / 2, 500)));
+        for (size_t j = 1; j < theta_.size(); ++j) {
+            bool small = true;
+            for (Index i = 0; i < psi_.size(); ++i) small = small && absolute(theta_[j][i]) < root;
+            if (!small && (!all_finite(theta_[j]) ||
+                           (health != Health::undetermined && !f.lengths.finite_too(theta_[j], room(), f.L))))
                 return false;
+        }
         return true;
     }
     static bool starts_at_zero(Problem<T> const& problem) {
