@@ -136,6 +136,27 @@ def test_the_tree_of_the_page(monkeypatch):
     assert np.allclose(ridge.theta, expected.theta, rtol=1e-12)
 
 
+def test_the_tree_of_the_page_by_dask():
+    """A cluster of one and of two processes: the bits of the chunks merged here, in the tree's order."""
+    distributed = pytest.importorskip("distributed")
+    array = pytest.importorskip("dask.array")
+    page = (Path(__file__).parents[2] / "docs" / "python.md").read_text()
+    names = {}
+    exec(re.search(r"```py\n(import dask\n.*?)```", page, re.S)[1], names)
+    g = np.random.default_rng(4)
+    X, Y = g.standard_normal((700, 6)), g.standard_normal((700, 2))
+    states = []
+    for workers in (1, 2):
+        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster:
+            with distributed.Client(cluster):
+                chunks = array.from_array(X, (100, 6)), array.from_array(Y, (100, 2))
+                states.append(names["fit"](*chunks).state)
+    parts = [names["part"](X[i : i + 100], Y[i : i + 100]) for i in range(0, 700, 100)]
+    while len(parts) > 1:
+        parts = [names["merged"](*parts[i : i + 2]) for i in range(0, len(parts), 2)]
+    assert states == [parts[0].state] * 2
+
+
 def test_parts_merge_in_a_tree_of_threads():
     X, Y = record(4000)
     expected = np.linalg.lstsq(X, Y, rcond=None)[0]
