@@ -173,3 +173,23 @@ def test_labels_that_are_none():
         RLSClassifier("ud").fit(X, y)
     with pytest.raises(ValueError, match="kalman has one output"):
         RLSClassifier("kalman", prior_variance=1).fit(X, y)
+
+
+def test_a_refused_part_leaves_the_model_as_it_was():
+    model = RLSClassifier(dtype="float32").partial_fit([[0.0], [1.0], [2.0]], [0, 1, 1])
+    before = model.predict([[1.0], [0.1]]), model.filter_.state
+    with pytest.raises(ValueError, match="beyond float32: no row was taken"):
+        model.partial_fit([[1e39]], [2])
+    assert list(model.classes_) == [0, 1] and model.filter_.state == before[1]
+    assert (model.predict([[1.0], [0.1]]) == before[0]).all()
+    X = np.random.default_rng(0).standard_normal((50, 2))
+    Y = np.c_[X[:, 0], X[:, 1] + 1]
+    for refused in (np.vstack([[1e39, 0], X]), np.vstack([X, [1e39, 0]])):
+        regressor = RLSRegressor("qr_block", dtype="float32")
+        with pytest.raises(ValueError, match="beyond float32"):
+            regressor.partial_fit(refused, np.vstack([[0, 0], Y]))
+        assert np.allclose(regressor.partial_fit(X, Y).predict(X), Y, atol=1e-4)
+    guarded = RLSRegressor(guard="reset")
+    for _ in range(2):
+        with pytest.raises(ValueError, match="without guard"):
+            guarded.partial_fit(X, Y)

@@ -89,6 +89,7 @@ class RLSClassifier(ClassifierMixin, Linear):  # type: ignore[misc]
         if (known.dtype.kind in "OSU") != (there.dtype.kind in "OSU"):
             raise ValueError(f"labels of {there.dtype} after labels of {known.dtype}")
         new = np.setdiff1d(there, known)
+        self._expect_range(rows, first)
         if first:
             self._start_several(len(new))
             self._first = rows[0].astype(np.float64) if self.fit_intercept else self._first

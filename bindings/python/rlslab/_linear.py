@@ -70,6 +70,14 @@ class Linear(BaseEstimator):  # type: ignore[misc]
         rows = np.asarray(X, dtype=np.float64)
         return np.column_stack([rows - self._first, np.ones(len(rows))]) if self.fit_intercept else rows
 
+    def _expect_range(self, X: NDArray[Any], first: bool) -> None:
+        """Before anything changes: that the filter's rows are numbers of `dtype`."""
+        with np.errstate(all="ignore"):
+            rows = np.asarray(X, np.float64) - ((X[0] if first else self._first) if self.fit_intercept else 0.0)
+            if not np.isfinite(rows.astype(self.dtype)).all():
+                name = np.dtype(self.dtype).name
+                raise ValueError(f"a row of X, less the first one, is beyond {name}: no row was taken")
+
     def _start_several(self, outputs: int) -> None:
         if self.prior_variance == np.inf:
             raise ValueError("expected a finite prior_variance, or None: no prior")

@@ -106,6 +106,10 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         if outputs.shape[1:] == (1,):
             outputs = column_or_1d(outputs, warn=True)
         several = outputs.ndim == 2
+        if several and (self.guard is not None or self.window or self.control is not None):
+            raise ValueError("several columns of y: without guard, window and control")
+        if several and (first or isinstance(self.filter_, Outputs)):
+            self._expect_range(rows, first)
         if first:
             self._start_several(outputs.shape[1]) if several else self._start()
         elif several != isinstance(self.filter_, Outputs) or outputs.shape[1:] != self._first_y.shape:
@@ -113,8 +117,6 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         if not several:
             self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole)
             return self
-        if first and (self.guard is not None or self.window or self.control is not None):
-            raise ValueError("several columns of y: without guard, window and control")
         if first and self.fit_intercept:
             self._first, self._first_y = rows[0].astype(np.float64), outputs[0]
         self._take_several(rows, outputs, whole)
