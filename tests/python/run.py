@@ -11,7 +11,8 @@ for needed, package in (("numpy", "python3-numpy"), ("pytest", "python3-pytest")
 
 import pytest    # noqa: E402
 
-here = Path(__file__).parent
-files = [str(here / name) for name in sys.argv[1:]]
-code = pytest.main(["-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(here), *files])
-sys.exit(77 if code == pytest.ExitCode.NO_TESTS_COLLECTED else int(code))
+if __name__ == "__main__":    # processes that a test starts import this file, and must not run the tests
+    here = Path(__file__).parent
+    files = [str(here / name) for name in sys.argv[1:]]
+    code = pytest.main(["-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(here), *files])
+    sys.exit(77 if code == pytest.ExitCode.NO_TESTS_COLLECTED else int(code))
