@@ -41,14 +41,9 @@ PyObject* as_tuple(Step const& s) {
 }
 
 PyObject* make(PyTypeObject* type, PyObject* args, PyObject*) {
-    Arguments given;
-    Py_ssize_t filters;
-    if (!given.parse(args, filters)) return nullptr;
-    try {
-        return Held::make(type, native::make(given.variant, given.arithmetic, given.options));
-    } catch (std::exception const&) {
-        return raise(std::current_exception());
-    }
+    return made<Filter>(type, args, [](Arguments const& given, Py_ssize_t) {
+        return native::make(given.variant, given.arithmetic, given.options);
+    });
 }
 
 /// Room for a row of doubles: on the stack up to 64 of them. Each call has its own, because converting a number may run
@@ -210,12 +205,6 @@ PyObject* certificate(PyObject* self, PyObject*) {
         return Py_BuildValue("(dddN)", c.estimate, c.bound, c.theta, PyBool_FromLong(c.definite));
     });
 }
-PyObject* reset(PyObject* self, PyObject*) {
-    return with<Filter>(self, [](Filter& f) {
-        f.reset();
-        return Py_NewRef(Py_None);
-    });
-}
 /// Into an array of float64: of d numbers, or of d x d by columns.
 template <void (Filter::*read)(double*) const, bool square>
 PyObject* read_into(PyObject* self, PyObject* out) {
@@ -228,12 +217,6 @@ PyObject* read_into(PyObject* self, PyObject* out) {
     });
 }
 
-template <std::string_view (Filter::*name)() const>
-PyObject* text(PyObject* self, void*) {
-    std::string_view const out = (Held::of(self)->native->*name)();
-    return PyUnicode_FromStringAndSize(out.data(), Py_ssize_t(out.size()));
-}
-PyObject* size(PyObject* self, void*) { return PyLong_FromSsize_t(Held::of(self)->native->size()); }
 PyObject* reports_covariance(PyObject* self, void*) {
     return with<Filter>(self, [](Filter& f) { return PyBool_FromLong(f.reports_covariance()); });
 }
@@ -326,7 +309,7 @@ array([0.])
 PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL, update_text},
                          {"_update_many", as_method(update_many), METH_FASTCALL, nullptr},
                          {"pass_time", pass_time, METH_NOARGS, pass_time_text},
-                         {"reset", reset, METH_NOARGS, reset_text},
+                         {"reset", reset<Filter>, METH_NOARGS, reset_text},
                          {"_theta", read_into<&Filter::theta, false>, METH_O, nullptr},
                          {"_gain", read_into<&Filter::gain, false>, METH_O, nullptr},
                          {"_covariance", read_into<&Filter::covariance, true>, METH_O, nullptr},
@@ -337,9 +320,9 @@ PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL, update_tex
                          {"_clone", clone<Filter>, METH_NOARGS, nullptr},
                          {nullptr, nullptr, 0, nullptr}};
 PyGetSetDef members[] = {
-    {"size", size, nullptr, "The number of parameters d.", nullptr},
-    {"variant", text<&Filter::variant>, nullptr, "The variant's name, one of `rlslab.variants()`.", nullptr},
-    {"_arithmetic", text<&Filter::arithmetic>, nullptr, nullptr, nullptr},
+    {"size", size<Filter>, nullptr, "The number of parameters d.", nullptr},
+    {"variant", text<Filter, &Filter::variant>, nullptr, "The variant's name, one of `rlslab.variants()`.", nullptr},
+    {"_arithmetic", text<Filter, &Filter::arithmetic>, nullptr, nullptr, nullptr},
     {"_reports_covariance", reports_covariance, nullptr, nullptr, nullptr},
     {"health", health, nullptr, "The health of the last row, one of `rlslab.HEALTHS`.", nullptr},
     {"signal", signal, nullptr, "What the guard saw of the last row, one of `rlslab.SIGNALS`.", nullptr},

@@ -8,14 +8,9 @@ using native::Fleet;
 using Held = Holder<Fleet>;
 
 PyObject* make(PyTypeObject* type, PyObject* args, PyObject*) {
-    Arguments given;
-    Py_ssize_t filters;
-    if (!given.parse(args, filters)) return nullptr;
-    try {
-        return Held::make(type, native::make_fleet(given.variant, given.arithmetic, filters, given.options));
-    } catch (std::exception const&) {
-        return raise(std::current_exception());
-    }
+    return made<Fleet>(type, args, [](Arguments const& given, Py_ssize_t filters) {
+        return native::make_fleet(given.variant, given.arithmetic, filters, given.options);
+    });
 }
 
 /// (Psi, y): arrays of float64 or float32, of shapes (M, d) and (M,), one after another in memory. Returns how many
@@ -75,7 +70,6 @@ PyObject* reset(PyObject* self, PyObject* which) {
         return Py_NewRef(Py_None);
     });
 }
-PyObject* size(PyObject* self, void*) { return PyLong_FromSsize_t(Held::of(self)->native->size()); }
 PyObject* filters(PyObject* self, void*) { return PyLong_FromSsize_t(Held::of(self)->native->filters()); }
 
 PyMethodDef methods[] = {{"_update", as_method(update), METH_FASTCALL, nullptr},
@@ -86,7 +80,7 @@ PyMethodDef methods[] = {{"_update", as_method(update), METH_FASTCALL, nullptr},
                          {"_load", load<Fleet>, METH_O, nullptr},
                          {"_clone", clone<Fleet>, METH_NOARGS, nullptr},
                          {nullptr, nullptr, 0, nullptr}};
-PyGetSetDef members[] = {{"size", size, nullptr, "The number of parameters d of each filter.", nullptr},
+PyGetSetDef members[] = {{"size", size<Fleet>, nullptr, "The number of parameters d of each filter.", nullptr},
                          {"filters", filters, nullptr, "The number of filters M.", nullptr},
                          {nullptr, nullptr, nullptr, nullptr, nullptr}};
 PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},

@@ -16,7 +16,7 @@ struct Arguments {
 
     /// (variant, arithmetic, size, forgetting, prior_variance, prior_theta, prior_covariance, window, guard, control,
     /// control_numbers, guard_numbers, noise_memory, rebuild_rows, certify, digits, filters): arrays of float64, or
-    /// None. `filters` has no meaning for one filter. False with Python's error set.
+    /// None. `filters`: or outputs; no meaning for one filter. False with Python's error set.
     bool parse(PyObject* args, Py_ssize_t& filters) {
         PyObject *theta0, *P0, *numbers, *of_guard;
         char const *guard, *control;
@@ -66,5 +66,18 @@ private:
         return false;
     }
 };
+
+/// A new object of what create(given, filters) makes of the arguments; null with Python's error set.
+template <class Native, class Create>
+PyObject* made(PyTypeObject* type, PyObject* args, Create create) {
+    Arguments given;
+    Py_ssize_t filters;
+    if (!given.parse(args, filters)) return nullptr;
+    try {
+        return Holder<Native>::make(type, create(given, filters));
+    } catch (std::exception const&) {
+        return raise(std::current_exception());
+    }
+}
 
 }  // namespace rlslab::python

@@ -12,6 +12,7 @@
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 
 namespace rlslab::python {
 
@@ -159,6 +160,23 @@ PyObject* load(PyObject* self, PyObject* bytes) {
 template <class Native>
 PyObject* clone(PyObject* self, PyObject*) {
     return with<Native>(self, [&](Native& native) { return Holder<Native>::make(Py_TYPE(self), native.clone()); });
+}
+/// Of a filter and of several outputs: as it was made. Of all: a number, and a name.
+template <class Native>
+PyObject* reset(PyObject* self, PyObject*) {
+    return with<Native>(self, [](Native& native) {
+        native.reset();
+        return Py_NewRef(Py_None);
+    });
+}
+template <class Native>
+PyObject* size(PyObject* self, void*) {
+    return PyLong_FromSsize_t(Holder<Native>::of(self)->native->size());
+}
+template <class Native, auto name>
+PyObject* text(PyObject* self, void*) {
+    std::string_view const out = (Holder<Native>::of(self)->native->*name)();
+    return PyUnicode_FromStringAndSize(out.data(), Py_ssize_t(out.size()));
 }
 /// call(native) without the interpreter's lock; false with Python's error set where it threw. Where the interpreter
 /// ends meanwhile, this does not return: the thread is unwound, so that nothing with a destructor that needs the lock

@@ -11,14 +11,9 @@ using Held = Holder<Outputs>;
 PyTypeObject* own_type = nullptr;
 
 PyObject* make(PyTypeObject* type, PyObject* args, PyObject*) {
-    Arguments given;
-    Py_ssize_t outputs;
-    if (!given.parse(args, outputs)) return nullptr;
-    try {
-        return Held::make(type, native::make_outputs(given.variant, given.arithmetic, outputs, given.options));
-    } catch (std::exception const&) {
-        return raise(std::current_exception());
-    }
+    return made<Outputs>(type, args, [](Arguments const& given, Py_ssize_t outputs) {
+        return native::make_outputs(given.variant, given.arithmetic, outputs, given.options);
+    });
 }
 
 /// (psi, y, steps): d and m contiguous numbers of one type, room for m steps. Returns the code of the worst health.
@@ -85,12 +80,6 @@ PyObject* add_outputs(PyObject* self, PyObject* more) {
         return Py_NewRef(Py_None);
     });
 }
-PyObject* reset(PyObject* self, PyObject*) {
-    return with<Outputs>(self, [](Outputs& f) {
-        f.reset();
-        return Py_NewRef(Py_None);
-    });
-}
 /// Into an array of float64.
 template <void (Outputs::*read)(double*) const, bool square>
 PyObject* read_into(PyObject* self, PyObject* out) {
@@ -101,11 +90,6 @@ PyObject* read_into(PyObject* self, PyObject* out) {
         return Py_NewRef(Py_None);
     });
 }
-template <auto name>
-PyObject* text(PyObject* self, void*) {
-    std::string_view const out = (Held::of(self)->native->*name)();
-    return PyUnicode_FromStringAndSize(out.data(), Py_ssize_t(out.size()));
-}
 template <auto member>
 PyObject* number(PyObject* self, void*) {
     return with<Outputs>(self, [](Outputs& f) { return PyLong_FromLongLong((f.*member)()); });
@@ -115,7 +99,7 @@ PyMethodDef methods[] = {{"_update", as_method(update), METH_FASTCALL, nullptr},
                          {"_update_many", as_method(update_many), METH_FASTCALL, nullptr},
                          {"_merge", merge, METH_O, nullptr},
                          {"_add_outputs", add_outputs, METH_O, nullptr},
-                         {"_reset", reset, METH_NOARGS, nullptr},
+                         {"_reset", reset<Outputs>, METH_NOARGS, nullptr},
                          {"_theta", read_into<&Outputs::theta, false>, METH_O, nullptr},
                          {"_matrix", read_into<&Outputs::matrix, true>, METH_O, nullptr},
                          {"_factor", read_into<&Outputs::factor, true>, METH_O, nullptr},
@@ -126,10 +110,10 @@ PyMethodDef methods[] = {{"_update", as_method(update), METH_FASTCALL, nullptr},
 PyGetSetDef members[] = {
     {"size", number<&Outputs::size>, nullptr, "The number of parameters d of each output.", nullptr},
     {"outputs", number<&Outputs::outputs>, nullptr, "The number of outputs m.", nullptr},
-    {"variant", text<&Outputs::variant>, nullptr, "The variant's name, one of `rlslab.variants()`.", nullptr},
+    {"variant", text<Outputs, &Outputs::variant>, nullptr, "The variant's name, one of `rlslab.variants()`.", nullptr},
     {"left_out", number<&Outputs::left_out>, nullptr,
      "How many rows were left out, since it was made, reset or restored.", nullptr},
-    {"_arithmetic", text<&Outputs::arithmetic>, nullptr, nullptr, nullptr},
+    {"_arithmetic", text<Outputs, &Outputs::arithmetic>, nullptr, nullptr, nullptr},
     {"_reports_covariance", number<&Outputs::reports_covariance>, nullptr, nullptr, nullptr},
     {"_health", number<&Outputs::health>, nullptr, nullptr, nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr}};

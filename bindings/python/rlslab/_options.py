@@ -180,3 +180,18 @@ def arguments(
         whole(digits, "digits"),
         m or M,
     )
+
+
+def made(arguments: tuple[Any, ...], dtype: DTypeLike, count: str) -> dict[str, Any]:
+    """What a fleet, or several outputs, of these `arguments` was made with; `count` names the last one."""
+    variant, _, size, forgetting, prior_variance, prior_theta, prior_covariance = arguments[:7]
+    return {
+        "variant": variant,
+        "size": size,
+        count: arguments[-1],
+        "forgetting": forgetting,
+        "prior_variance": prior_variance or None,
+        "prior_theta": prior_theta,
+        "prior_covariance": prior_covariance,
+        "dtype": np.dtype(dtype).name,
+    }

@@ -71,16 +71,7 @@ class Fleet(Stateful, _core.Fleet):
 
             return CudaFleet(variant, arguments[-1], arguments[2], arguments[3:7], np.dtype(dtype))  # type: ignore
         self = super().__new__(cls, *arguments)
-        self._made = {
-            "variant": variant,
-            "filters": arguments[-1],
-            "size": arguments[2],
-            "forgetting": arguments[3],
-            "prior_variance": arguments[4] or None,
-            "prior_theta": arguments[5],
-            "prior_covariance": arguments[6],
-            "dtype": np.dtype(dtype).name,
-        }
+        self._made = _options.made(arguments, dtype, "filters")
         return self
 
     def update(self, Psi: ArrayLike, y: ArrayLike) -> int:

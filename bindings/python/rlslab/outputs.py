@@ -70,16 +70,7 @@ class Outputs(Stateful, _core.Outputs):
             variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, outputs=outputs
         )
         self = super().__new__(cls, *arguments)
-        self._made = {
-            "variant": variant,
-            "size": arguments[2],
-            "outputs": arguments[-1],
-            "forgetting": arguments[3],
-            "prior_variance": arguments[4] or None,
-            "prior_theta": arguments[5],
-            "prior_covariance": arguments[6],
-            "dtype": np.dtype(dtype).name,
-        }
+        self._made = _options.made(arguments, dtype, "outputs")
         return self
 
     def update(self, psi: ArrayLike, y: ArrayLike) -> NDArray[np.void]:

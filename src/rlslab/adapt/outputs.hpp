@@ -32,7 +32,7 @@ bool was_determined(Step<T> const& step) {
 
 // --- a further right-hand side of a form that solves for theta: z, or b ----------------------------------------------
 // take(form, first, psi, y, e, z, x): what the row that F took last does to z; `first` is F's step, e the innovation
-// where theta_before found it; x is workspace. theta_of_side(form, z): z becomes theta.
+// where theta_before found it; x is workspace. thetas_of_sides(form, Z): the columns of Z become thetas.
 
 template <class T, int N>
 Step<T> take(RootInformation<T, N> f, Step<T> const& first, Regressor<T>, T y, T const&, StateVector<T, N>& z,
@@ -95,48 +95,33 @@ Step<T> take(NormalEquations<T, N> f, Step<T> const& first, Regressor<T> psi, T 
     return if_finite<T>(all_finite(b), if_determined<T>(was_determined(first), step_of(e, first.gamma), y));
 }
 template <class T, int N>
-void theta_of_side(RootInformation<T, N> f, StateVector<T, N>& z) {
-    solve_lower_transposed(f.L, z);
-}
-template <class T, int N>
-void theta_of_side(LastReflections<T, N> f, StateVector<T, N>& z) {
-    solve_lower_transposed(f.L, z);
-}
-template <class T, int N>
-void theta_of_side(UnitInformation<T, N> f, StateVector<T, N>& z) {
-    solve_lower_transposed(f.L, z);
-    for (Index i = 0; i < z.size(); ++i) z[i] = select(f.D[i] == T(0), undefined<T>(), z[i]);
-}
-template <class T, int N>
 void theta_of_side(NormalEquations<T, N> f, StateVector<T, N>& b) {
     if (!f.solved) f.solve();
     solve_ldl(f.L, f.D, f.positive, b);
 }
-/// The same for all columns of Z: each column of L is read once for all, the operations are those of one.
-template <class T, int N>
-void solve_lower_transposed_all(StateMatrix<T, N> const& L, auto&& Z) {
-    Index const d = Z.rows();
-    for (Index i = d - 1; i >= 0; --i)
-        for (Index j = 0; j < Z.cols(); ++j) {
-            T* const x = Z.col(j).data();
-            if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x + i + 1, d - i - 1);
-            x[i] /= L(i, i);
-        }
-}
+/// The z, or b, that are the columns of Z become thetas. Each column of L is read once for all; the operations are
+/// those of solve_lower_transposed.
 template <class F>
 void thetas_of_sides(F f, auto&& Z) {
+    using T = typename F::scalar;
+    Index const d = Z.rows();
     if constexpr (requires { f.b; }) {
         auto b = f.b;
         for (Index j = 0; j < Z.cols(); ++j) {
-            for (Index i = 0; i < Z.rows(); ++i) b[i] = Z(i, j);
+            for (Index i = 0; i < d; ++i) b[i] = Z(i, j);
             theta_of_side(f, b);
             Z.col(j) = b.view();
         }
     } else {
-        solve_lower_transposed_all(f.L, Z);
+        for (Index i = d - 1; i >= 0; --i)
+            for (Index j = 0; j < Z.cols(); ++j) {
+                T* const x = Z.col(j).data();
+                if (i + 1 < d) x[i] -= dot(f.L.column(i) + i + 1, x + i + 1, d - i - 1);
+                x[i] /= f.L(i, i);
+            }
         if constexpr (requires { f.D; })
-            for (Index i = 0; i < Z.rows(); ++i)
-                if (f.D[i] == 0) Z.row(i).setConstant(undefined<typename F::scalar>());
+            for (Index i = 0; i < d; ++i)
+                if (f.D[i] == T(0)) Z.row(i).setConstant(undefined<T>());
     }
 }
 /// What shows F's last row to further right-hand sides.
@@ -152,9 +137,10 @@ auto side_of(F& f) {
     else if constexpr (requires { last_row(f).z; }) return last_row(f).z;
 }
 template <class F>
-concept SolvesForTheta = ReportsInformation<F> && requires(F& f, StateVector<typename F::scalar, size_of<F>>& z) {
-    theta_of_side(last_row(f), z);
-};
+concept SolvesForTheta =
+    ReportsInformation<F> &&
+    requires(F& f, Step<typename F::scalar> const& step, Regressor<typename F::scalar> psi, typename F::scalar const& y,
+             StateVector<typename F::scalar, size_of<F>>& z) { take(last_row(f), step, psi, y, y, z, z); };
 }  // namespace detail
 
 /// What a row is worth in which an output is missing: NaN, or infinite.
