@@ -2,6 +2,7 @@
 #   headers   the variants and what they stand on; what find_package(rlslab) and pkg-config rlslab find
 #   kernels   the compiled kernels of float and double: shorter compilation, the same bits
 #   native    every dense variant in float and double by name, compiled: needs no library
+#   gpu       fleets on a GPU, where clang 16 made their kernels
 #   library   librlslab.so.1, what a program that calls C needs to run
 #   c         what it needs to be compiled: rlslab.h, librlslab.so, librlslab.a (rlslab::c, rlslab::c_static)
 #   core      the compiled reference, multiprecision, data files
@@ -66,9 +67,11 @@ if(TARGET rlslab_studies_archive)
   install(FILES ${PROJECT_SOURCE_DIR}/src/lab/report/formulas.cmake ${PROJECT_SOURCE_DIR}/src/lab/report/formulas.lua
     DESTINATION ${package_dir} COMPONENT studies)
 endif()
-if(TARGET rlslab_sparse)
-  list(APPEND components sparse)
-endif()
+foreach(component gpu sparse)
+  if(TARGET rlslab_${component})
+    list(APPEND components ${component})
+  endif()
+endforeach()
 foreach(component IN LISTS components)
   set(target rlslab_${component})
   if(TARGET ${target}_archive)    # in the tree, objects

@@ -44,6 +44,9 @@ run(${WORK_DIR}/build/with_kernels)
 run(${WORK_DIR}/build/with_core)
 run(${WORK_DIR}/build/with_native)
 run(${WORK_DIR}/build/with_catalogue)
+if(EXISTS ${BUILD_DIR}/librlslab_gpu.a)    # where clang 16 is
+  run(${WORK_DIR}/build/with_gpu)
+endif()
 
 # An app may be compiled for another instruction set than the core. What this machine cannot run is compiled at least.
 file(STRINGS /proc/cpuinfo processor REGEX "^flags" LIMIT_COUNT 1)

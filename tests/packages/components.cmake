@@ -4,7 +4,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/all)
 file(GLOB_RECURSE whole RELATIVE ${WORK_DIR}/all ${WORK_DIR}/all/*)
 set(parts "")
-foreach(component headers kernels native library c core catalogue studies bench sparse program python
+foreach(component headers kernels native gpu library c core catalogue studies bench sparse program python
     python_reference)
   execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/${component} --component
       ${component})
@@ -18,12 +18,15 @@ expect("${headers}" "rlslabConfig.cmake" "headers")
 expect_not("${headers}" "[^;]*(\\.a|bin/)[^;]*" "headers")
 expect("${kernels}" "librlslab_kernels.a" "kernels")
 expect("${native}" "librlslab_native.a" "native")
+if(gpu)    # where clang 16 is
+  expect("${gpu}" "librlslab_gpu.a" "gpu")
+endif()
 expect("${core}" "librlslab_core.a" "core")
 expect("${library}" "^[^;]*librlslab\\.so\\.1;[^;]*librlslab\\.so\\.1\\.[0-9.]+(;|$)" "library")
 expect("${c}" "include/rlslab\\.h.*librlslab\\.a;[^;]*librlslab\\.so(;|$)" "c")
 expect("${catalogue}" "librlslab_catalogue.a" "catalogue")
 expect("${studies}" "include/rlslab/studies/study_main.hpp.*formulas.lua.*librlslab_studies.a" "studies")
-expect_not("${kernels};${native};${core};${catalogue};${sparse};${program}" "[^;]*\\.hpp"
+expect_not("${kernels};${native};${gpu};${core};${catalogue};${sparse};${program}" "[^;]*\\.hpp"
   "a header outside of the headers")
 expect("${program}" "bin/rlslab" "program")
 if(bench)
