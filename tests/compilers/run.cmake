@@ -1,7 +1,8 @@
-# cmake -DWHAT=bits|warnings -DCOMPILERS=g++,clang++ -DINCLUDE=... -DSYSTEM=... -DWORK_DIR=... -P run.cmake
+# cmake -DWHAT=bits|warnings|fused -DCOMPILERS=g++,clang++ -DINCLUDE=... -DSYSTEM=... -DWORK_DIR=... -P run.cmake
 # An app compiles under every compiler without a warning, nothing silenced, and runs: at -O2 and -O3 by g++, whose
 # optimiser warns, at -O3 by clang++. And at -O1, without a warning, two compilers compute the same bits, also where
-# rounding is at random: g++ for any processor, clang++ for this one.
+# rounding is at random: g++ for any processor, clang++ for this one. fused: -O3 for this processor has the bits of -O1
+# for any.
 cmake_minimum_required(VERSION 3.25)
 set(folder ${CMAKE_CURRENT_LIST_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR})
@@ -32,6 +33,16 @@ foreach(compiler IN LISTS COMPILERS)
         message(FATAL_ERROR "compiled by ${name} -O${level}, some variant did not find the line")
       endif()
     endforeach()
+  elseif(WHAT STREQUAL "fused")
+    foreach(options "-O1" "-O3;-march=native")
+      list(JOIN options "" way)
+      execute_process(COMMAND ${compiler} ${flags} ${options} ${folder}/fused.cpp -o ${WORK_DIR}/fused_${name}
+        COMMAND_ERROR_IS_FATAL ANY)
+      execute_process(COMMAND ${WORK_DIR}/fused_${name} OUTPUT_FILE ${WORK_DIR}/${name}${way}.txt
+        COMMAND_ERROR_IS_FATAL ANY)
+      list(APPEND digests ${WORK_DIR}/${name}${way}.txt)
+    endforeach()
+    break()    # the tree's compiler
   else()
     set(processor "")
     if(name MATCHES "clang")
@@ -49,6 +60,6 @@ if(NOT WHAT STREQUAL "warnings" AND count LESS 2)
 elseif(count EQUAL 2)
   execute_process(COMMAND diff ${digests} RESULT_VARIABLE code)
   if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${COMPILERS} compute other bits (variant, arithmetic, digest, number of draws)")
+    message(FATAL_ERROR "other bits (variant, arithmetic, what they print) in ${digests}")
   endif()
 endif()
