@@ -24,6 +24,7 @@ struct NumbersOfLanes : BareCounts {
     void number(P const& x) { numbers.push_back(x); }
     void number(typename P::Mask const& x) { truths.push_back(x); }
     void number(Count const& x) { counts.push_back(x); }
+    void number(Complex<P> const& x) { number(x.re), number(x.im); }
     template <class X>
     void number(X const& x) {
         if constexpr (in_float && std::same_as<X, Wide>) wide.push_back(x);
@@ -53,6 +54,7 @@ struct LanesPutBack : BareCounts {
     void number(P& x) { x = select(mask, *number_at++, x); }
     void number(typename P::Mask& x) { x = (mask && *truth_at++) || (!mask && x); }
     void number(Lanes<Index, P::lanes>& x) { x = select(mask, *count_at++, x); }
+    void number(Complex<P>& x) { number(x.re), number(x.im); }
     template <class X>
     void number(X& x) {
         if constexpr (Kept::in_float && std::same_as<X, typename Kept::Wide>) x = select(wide_mask, *wide_at++, x);
@@ -163,6 +165,10 @@ struct LaneRead : BareCounts {
         if constexpr (requires { x[lane]; }) values.push_back(double(x[lane]));
         else values.push_back(double(x));
     }
+    template <class P>
+    void number(Complex<P> const& x) {
+        number(x.re), number(x.im);
+    }
 };
 /// What is one for all lanes is compared, not written. keep: else all is only compared.
 struct LaneWritten : BareCounts {
@@ -188,6 +194,10 @@ struct LaneWritten : BareCounts {
         if (keep) x.value[size_t(lane)] = X(*at);
         ++at;
     }
+    template <class P>
+    void number(Complex<P>& x) {
+        number(x.re), number(x.im);
+    }
     template <class X>
     void number(X& x) {
         same = same && double(x) == *at;
@@ -209,6 +219,10 @@ struct OneLane {};
 template <template <class, int> class V, class T, int L, int N>
 struct OneLane<V<Pack<T, L>, N>> {
     using type = V<T, N>;
+};
+template <template <class, int> class V, class T, int L, int N>
+struct OneLane<V<Complex<Pack<T, L>>, N>> {
+    using type = V<Complex<T>, N>;
 };
 template <class F>
 using OneLaneOf = typename OneLane<F>::type;
