@@ -197,6 +197,41 @@ rlslab_status rlslab_outputs_load(rlslab_outputs* filter, void const* from, size
 // are the same. While no filter is at work.
 rlslab_status rlslab_use_threads(size_t threads);
 
+// M filters of complex numbers, of m outputs each: psi' is the conjugate transpose, and y = psi'theta. A complex number
+// is two, its real part first, as in double _Complex and std::complex<double>. Of plain variants but qr_block, with
+// theta0 = 0 and P0 = c^2 I; several outputs are of the variants that report P.
+typedef struct rlslab_complex rlslab_complex;
+rlslab_status rlslab_complex_new(char const* variant, char const* arithmetic, size_t filters, size_t outputs,
+                                 rlslab_options const* options, rlslab_complex** out);
+rlslab_status rlslab_complex_copy(rlslab_complex const* filter, rlslab_complex** out);
+void rlslab_complex_free(rlslab_complex* filter);             // or null
+rlslab_status rlslab_complex_reset(rlslab_complex* filter);   // as it was made
+size_t rlslab_complex_size(rlslab_complex const* filter);     // d; 0 of null
+size_t rlslab_complex_filters(rlslab_complex const* filter);  // M; 0 of null
+size_t rlslab_complex_outputs(rlslab_complex const* filter);  // m; 0 of null
+// What rows did; each array has room, or is null. NaN, and health 3, where a row was missing.
+typedef struct rlslab_complex_steps {
+    double *innovation, *residual;  // rows x M x m complex numbers
+    double* gamma;                  // rows x M
+    int32_t* health;                // rows x M: the worst of a filter's outputs
+} rlslab_complex_steps;
+// Rows for each filter, the oldest first: psi is rows x M x d and y rows x M x m complex numbers, without gaps. A row
+// with a number that is not finite is missing: its filter stays as it was. missing: how many were, or null. steps: or
+// null. 0 rows: the pointers may be null.
+rlslab_status rlslab_complex_update(rlslab_complex* filter, double const* psi, double const* y, size_t rows,
+                                    rlslab_complex_steps const* steps, size_t* missing);
+rlslab_status rlslab_complex_update_f32(rlslab_complex* filter, float const* psi, float const* y, size_t rows,
+                                        rlslab_complex_steps const* steps, size_t* missing);
+rlslab_status rlslab_complex_theta(rlslab_complex const* filter, double* out);  // M x d x m complex numbers
+// P, or P^-1, of filter i, d x d complex numbers by columns; of the other ABILITY.
+rlslab_status rlslab_complex_covariance(rlslab_complex const* filter, size_t i, double* out);
+rlslab_status rlslab_complex_information(rlslab_complex const* filter, size_t i, double* out);
+// Of filter i: 1 until its rows determine theta, then the worst of its rows; -1 where there is none.
+int32_t rlslab_complex_health(rlslab_complex const* filter, size_t i);
+size_t rlslab_complex_state_size(rlslab_complex const* filter);  // bytes, 0 of null
+rlslab_status rlslab_complex_save(rlslab_complex const* filter, void* to, size_t room);
+rlslab_status rlslab_complex_load(rlslab_complex* filter, void const* from, size_t bytes);
+
 #ifdef __cplusplus
 }
 #endif

@@ -214,6 +214,7 @@ inline bool takes(char const* what, Py_ssize_t n, Py_ssize_t given) {
 PyObject* filter_type();
 PyObject* fleet_type();
 PyObject* outputs_type();
+PyObject* complex_type();
 PyObject* step_type();
 PyObject* counts_type();
 /// Whoever makes rows of what is not an array or a list: called with (psi, d), returns an array of d numbers.

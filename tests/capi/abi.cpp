@@ -79,6 +79,10 @@ std::string layouts() {
            {member("rows", &C::rows), member("unusable", &C::unusable), member("outliers", &C::outliers),
             member("changes", &C::changes), member("windups", &C::windups), member("breakdowns", &C::breakdowns),
             member("refactored", &C::refactored), member("since", &C::since), member("handed_over", &C::handed_over)});
+    using S = rlslab_complex_steps;
+    append(out, "rlslab_complex_steps", sizeof(S),
+           {member("innovation", &S::innovation), member("residual", &S::residual), member("gamma", &S::gamma),
+            member("health", &S::health)});
     return out;
 }
 std::string numbers() {

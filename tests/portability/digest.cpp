@@ -6,6 +6,7 @@
 //   digest load DIR     starts from those states
 //   digest composed DIR saves states of compositions after 100 rows; theta after 200
 //   digest outputs      20 rows and 600 more at once of three outputs: theta by rows, and the state
+//   digest complex      60 rows of eleven complex filters: theta, and the state
 //   digest all          300 rows, more arithmetics and sizes: every step and report, and the state
 //
 // Rows: s = (1664525 s + 1013904223) mod 2^32 from s = 1 on, and each number is floor(s / 2^8) / 2^23 - 1: five of psi,
@@ -20,6 +21,7 @@
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/core/rounding.hpp>
+#include <rlslab/many/complex_fleet.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -142,6 +144,30 @@ void several_outputs() {
     hash.print(name_of_type<F>());
 }
 
+/// Two outputs, where P is reported: else one.
+template <class F>
+void complex_filters() {
+    using Fleet = ComplexFleet<F>;
+    using C = typename Fleet::number;
+    Index const M = 11, m = ReportsCovariance<F> ? 2 : 1;
+    Fleet fleet(M, {.size = d, .forgetting = typename Fleet::real(0.9921875)}, m);
+    Numbers numbers;
+    std::vector<C> psi(size_t(M * d)), y(size_t(M * m));
+    auto const draw = [&](std::vector<C>& to) {
+        for (C& x : to) x.re = typename Fleet::real(numbers.next()), x.im = typename Fleet::real(numbers.next());
+    };
+    for (int k = 0; k < 60; ++k) draw(psi), draw(y), fleet.update(psi.data(), y.data());
+    Hash hash;
+    for (Index i = 0; i < M; ++i)
+        for (Index k = 0; k < d; ++k)
+            for (Index j = 0; j < m; ++j) {
+                C const x = fleet.theta(i, k, j);
+                hash.add(double(x.re)), hash.add(double(x.im));
+            }
+    for (std::byte const byte : state_of(fleet)) hash.add(byte);
+    hash.print(std::string(F::name) + " complex " + std::string(ArithmeticTraits<typename Fleet::real>::name));
+}
+
 template <class F>
 void everything(Index size) {
     using T = typename F::scalar;
@@ -221,6 +247,7 @@ int main(int count, char** arguments) {
         everything_in<double>();
         everything_in<Chopped<bfloat16>>();
         lanes();
+        complex_filters<Ud<Complex<Pack<float, 8>>>>(), complex_filters<Gentleman<Complex<Pack<double, 8>>>>();
         PrecisionScope const precision(12);
         everything<Ud<VariablePrecision>>(5);
     } else if (verb == "composed") {
@@ -231,6 +258,12 @@ int main(int count, char** arguments) {
             Guarded<Forgetting<Carlson<double>, Kulhavy<double>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
             folder, "ruled");
         composed(Forgetting<Qr<double>, Fortescue<double>>(p, {.noise_variance = 1e-6}), folder, "fortescue");
+    } else if (verb == "complex") {
+        auto const left_by = []<class F>() {
+            if constexpr (ComplexInLockstep<F>) complex_filters<F>();
+        };
+        for_each(Variants<Complex<Pack<float, 8>>>{}, left_by);
+        for_each(Variants<Complex<Pack<double, 8>>>{}, left_by);
     } else if (verb == "outputs") {
         auto const left_by = []<class F>() {
             if constexpr (requires { typename MultiOutput<F>; }) several_outputs<F>();

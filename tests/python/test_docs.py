@@ -97,6 +97,13 @@ def test_the_notebooks(script, capsys):
     assert capsys.readouterr().out
 
 
+def test_the_example_of_complex_spectra(capsys):
+    folder = ROOT / "docs/examples/dereverberation"
+    runpy.run_path(str(folder / "main.py"), run_name="__main__")
+    block = re.search(r"```text\n(.*?)```", (folder / "README.md").read_text(), re.S)
+    assert capsys.readouterr().out == block[1]
+
+
 def run_block(block, names):
     if ">>>" not in block:
         exec(compile(block, "docs/python.md", "exec"), names)

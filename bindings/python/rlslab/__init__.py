@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _options, _variants
 from ._certified import Certified, certified
+from ._complex import Complex, ComplexSteps
 from ._compare import Comparison, compare
 from ._core import Counts, Step, controls, guards, use_threads, variants
 from ._filter import HEALTHS, SIGNALS, STEP, Certificate, Filter
@@ -131,8 +132,8 @@ if not TYPE_CHECKING:    # to which any name would be one
 
 
 __all__ = [
-    "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certificate", "Certified", "Comparison", "Counts", "Excitation", "Filter",
-    "Fleet", "Identification", "Outputs", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare",
+    "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certificate", "Certified", "Comparison", "Complex", "ComplexSteps",
+    "Counts", "Excitation", "Filter", "Fleet", "Identification", "Outputs", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare",
     "controls", "excitation", "filter", "from_state", "guards", "identify", "load", "study", "sweep", "use_threads",
     "variants",
     *_variants.__all__,

@@ -67,7 +67,8 @@ class Filter(Stateful, _core.Filter):
     prior_covariance : array_like, shape (d, d), optional
         P0 in place of c^2 I, symmetric and positive definite.
     dtype : "float64" or "float32"
-        The arithmetic. A filter of float32 rounds each number of a row once.
+        The arithmetic. A filter of float32 rounds each number of a row once. "complex128" or "complex64": what is made
+        is an `rlslab.Complex`, of a plain variant.
     window : int
         Only the last `window` rows count; 0: all.
     guard : str or None
@@ -163,10 +164,21 @@ class Filter(Stateful, _core.Filter):
     ) -> Any:
         if not cls._variant:
             raise TypeError("Filter is of no variant: rlslab.Ud(4), or rlslab.filter('ud', 4)")
+        plain = not (window or guard is not None or guard_options or control is not None or certify or digits)
+        if _options.is_complex(dtype):
+            from ._complex import Complex
+
+            if not plain or prior_theta is not None or prior_covariance is not None:
+                raise ValueError(
+                    "complex numbers are of a plain variant: size, outputs, forgetting, prior_variance, dtype"
+                )
+            return Complex(
+                cls._variant, size, outputs=outputs, forgetting=forgetting, prior_variance=prior_variance, dtype=dtype
+            )
         if outputs is not None:
             from .outputs import Outputs
 
-            if window or guard is not None or guard_options or control is not None or certify or digits:
+            if not plain:
                 raise ValueError("outputs= is of a plain variant: without window, guard, control, certify and digits")
             return Outputs(
                 cls._variant, size, outputs, forgetting=forgetting, prior_variance=prior_variance,

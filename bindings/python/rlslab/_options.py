@@ -44,6 +44,14 @@ def arithmetic(dtype: DTypeLike) -> str:
         raise ValueError(f"dtype {reprlib.repr(dtype)}: a filter computes in float32 or float64") from None
 
 
+def is_complex(dtype: DTypeLike) -> bool:
+    """Whether it is one of complex numbers, which filters of their own take."""
+    try:
+        return np.dtype(dtype).kind == "c"
+    except TypeError:
+        return False
+
+
 def whole(value: Any, name: str) -> int:
     """An index; TypeError for 4.0."""
     try:

@@ -29,6 +29,8 @@ class Fleet(Stateful, _core.Fleet):
         The number of parameters d of each.
     forgetting, prior_variance, prior_theta, prior_covariance, dtype
         As of `rlslab.Filter`, the same for all.
+    outputs : int, optional
+        m outputs of each filter, with dtype complex64 or complex128: what is made then is an `rlslab.Complex`.
     device : {"cpu", "cuda"}
         "cuda": on a GPU, with the same bits; what is made then is a `CudaFleet` (`docs/gpu.md`).
 
@@ -60,7 +62,19 @@ class Fleet(Stateful, _core.Fleet):
         prior_covariance: ArrayLike | None = None,
         dtype: DTypeLike = "float64",
         device: str = "cpu",
+        outputs: int | None = None,
     ) -> Self:
+        if _options.is_complex(dtype):
+            from ._complex import Complex
+
+            if prior_theta is not None or prior_covariance is not None or device != "cpu":
+                raise ValueError("complex numbers: on the CPU, with theta0 = 0 and P0 = prior_variance I")
+            return Complex(  # type: ignore[return-value]
+                variant, size, filters=filters, outputs=outputs, forgetting=forgetting, prior_variance=prior_variance,
+                dtype=dtype,
+            )  # fmt: skip
+        if outputs is not None:
+            raise ValueError("outputs= is of fleets of complex numbers; of real ones make an rlslab.Outputs each")
         arguments = _options.arguments(
             variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, filters=filters
         )

@@ -190,6 +190,18 @@ std::unique_ptr<Outputs> make_outputs(std::string_view variant, std::string_view
         refuse(std::string(variant) + " has one output; all other variants but kalman and extended_qr take several");
     return out;
 }
+std::unique_ptr<ComplexFleet> make_complex(std::string_view variant, std::string_view arithmetic, Index filters,
+                                           Index outputs, Options const& options) {
+    expects(!options.prior_theta && !options.prior_covariance,
+            "complex filters that start with theta0 = 0, P0 = c^2 I");
+    Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "complex filters");
+    auto out = arithmetic == ArithmeticTraits<float>::name
+                   ? complex_named<float>(variant, filters, outputs, problem_in<float>(problem))
+                   : complex_named<double>(variant, filters, outputs, problem);
+    if (!out)
+        refuse(std::string(variant) + " counts the rows of all filters at once: there is none of complex numbers");
+    return out;
+}
 void use_threads(Index threads) { rlslab::use_threads(threads); }
 
 }  // namespace rlslab::native

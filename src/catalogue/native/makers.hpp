@@ -1,6 +1,7 @@
 // What a filter and a fleet by name are made of, in one arithmetic.
 #pragma once
 
+#include <rlslab/catalogue/native/complex.hpp>
 #include <rlslab/catalogue/native/filter.hpp>
 #include <rlslab/catalogue/native/outputs.hpp>
 #include <rlslab/core/problem.hpp>
@@ -30,5 +31,7 @@ template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const&);
 template <class T>
 std::unique_ptr<Outputs> outputs_named(std::string_view variant, Index outputs, Problem<T> const&);
+template <class T>
+std::unique_ptr<ComplexFleet> complex_named(std::string_view variant, Index filters, Index outputs, Problem<T> const&);
 
 }  // namespace rlslab::native

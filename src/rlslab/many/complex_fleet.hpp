@@ -46,7 +46,7 @@ public:
 
     ComplexFleet(Index filters, Problem<number> const& problem, Index outputs = 1)
         : size_(checked(problem, filters, outputs).size), filters_(filters), outputs_(outputs),
-          packs_(size_t((filters + lanes - 1) / lanes), F(in_packs(problem))),
+          fresh_(in_packs(problem)), packs_(size_t((filters + lanes - 1) / lanes), fresh_),
           further_(size_t(outputs - 1) * packs_.size() * size_t(size_), C(0)),
           health_(packs_.size(), problem.prior ? Health::sound : Health::undetermined) {}
 
@@ -77,6 +77,14 @@ public:
         C const x = j == 0 ? C(packs_[g].theta()[k]) : theta_of(g, j)[k];
         return {x.re[int(i % lanes)], x.im[int(i % lanes)]};
     }
+    /// P of filter i, or P^-1, as F reports it.
+    Matrix<number> matrix(Index i) const {
+        expects(0 <= i && i < filters_, "the number of a filter that is there");
+        F const& f = packs_[size_t(i / lanes)];
+        auto const of_lane = [lane = int(i % lanes)](C const& x) { return number(x.re[lane], x.im[lane]); };
+        if constexpr (ReportsCovariance<F>) return f.covariance().unaryExpr(of_lane);
+        else return f.information().unaryExpr(of_lane);
+    }
     /// Undetermined until its rows determine theta, then the worst of its steps.
     Health health(Index i) const {
         expects(0 <= i && i < filters_, "the number of a filter that is there");
@@ -97,10 +105,11 @@ public:
     static std::array<StateOption, 2> options(auto const& f) {
         return {{{"filters", double(f.filters_)}, {"outputs", double(f.outputs_)}}};
     }
-    static auto state(auto& f) { return std::tie(f.packs_, f.further_, f.health_); }
+    static auto state(auto& f) { return std::tie(f.fresh_, f.packs_, f.further_, f.health_); }
 
 private:
     Index size_, filters_, outputs_;
+    F fresh_;  // so that a state begins with d
     std::vector<F> packs_;
     std::vector<C> further_;  // theta of output j > 0 of group g: d numbers from ((m - 1) g + j - 1) d on
     std::vector<Lanes<Health, lanes>> health_;
