@@ -137,7 +137,8 @@ rlslab_status rlslab_save(rlslab_filter const* filter, void* to, size_t room);
 rlslab_status rlslab_load(rlslab_filter* filter, void const* from, size_t bytes);
 rlslab_status rlslab_from_state(void const* from, size_t bytes, rlslab_filter** out);
 
-// M filters of one variant and one problem, which take a row each. Not of qr_block; no guard, window or control.
+// M filters of one variant and one problem, which take a row each: several in lockstep, or, with a guard, a window or a
+// control, one after another. Not of qr_block.
 typedef struct rlslab_fleet rlslab_fleet;
 rlslab_status rlslab_fleet_new(char const* variant, char const* arithmetic, size_t filters,
                                rlslab_options const* options, rlslab_fleet** out);
@@ -149,7 +150,8 @@ size_t rlslab_fleet_filters(rlslab_fleet const* fleet);  // M; 0 of null
 // was. missing: how many were, or null.
 rlslab_status rlslab_fleet_update(rlslab_fleet* fleet, double const* psi, double const* y, size_t* missing);
 rlslab_status rlslab_fleet_update_f32(rlslab_fleet* fleet, float const* psi, float const* y, size_t* missing);
-// Of filter m < M: d numbers; the worst health of its rows, -1 where there is no such filter; as it was made.
+// Of filter m < M: d numbers; the worst health of its rows, of a guarded filter that of the last usable row, -1 where
+// there is no such filter; as it was made.
 rlslab_status rlslab_fleet_theta(rlslab_fleet const* fleet, size_t m, double* out);
 int32_t rlslab_fleet_health(rlslab_fleet const* fleet, size_t m);
 rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, size_t m);

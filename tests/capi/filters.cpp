@@ -227,6 +227,42 @@ TEST(Filters, ThePageHasTheNumbersOfEachRule) {
     EXPECT_EQ(rules, native::controls().size());
 }
 
+TEST(Filters, AComposedFleetIsItsFilters) {
+    constexpr std::size_t count = 3;
+    auto const psi = numbers(rows * count * d, 9);
+    auto y = numbers(rows * count, 10);
+    y[60 * count + 1] = 1e9;  // an outlier, which the guard of filter 1 skips
+    rlslab_options options = options_of(d, 0.98);
+    options.guard = "reset";
+    options.window = 40;
+    rlslab_fleet* made = nullptr;
+    ASSERT_EQ(rlslab_fleet_new("carlson", "float", count, &options, &made), RLSLAB_OK) << rlslab_message();
+    FleetHandle const fleet(made);
+    for (std::size_t m = 0; m < count; ++m) {
+        auto const alone = filter_of("carlson", "float", options);
+        for (std::size_t k = 0; k < rows; ++k) {
+            if (m == 0) {
+                ASSERT_EQ(rlslab_fleet_update(made, &psi[k * count * d], &y[k * count], nullptr), RLSLAB_OK);
+            }
+            rlslab_update(alone.get(), &psi[(k * count + m) * d], y[k * count + m], nullptr);
+        }
+        std::vector<double> theta(d);
+        ASSERT_EQ(rlslab_fleet_theta(made, m, theta.data()), RLSLAB_OK);
+        EXPECT_EQ(theta, theta_of(alone.get())) << m;
+        EXPECT_EQ(rlslab_fleet_health(made, m), 0);
+    }
+    std::vector<char> state(rlslab_fleet_state_size(made)), other(state.size());
+    ASSERT_EQ(rlslab_fleet_save(made, state.data(), state.size()), RLSLAB_OK);
+    ASSERT_EQ(rlslab_fleet_reset(made, 1), RLSLAB_OK);
+    ASSERT_EQ(rlslab_fleet_load(made, state.data(), state.size()), RLSLAB_OK);
+    ASSERT_EQ(rlslab_fleet_save(made, other.data(), other.size()), RLSLAB_OK);
+    EXPECT_EQ(state, other);
+    options.window = 0;
+    options.guard = nullptr;
+    EXPECT_EQ(rlslab_fleet_new("carlson", "float", count, &options, &made), RLSLAB_OK);
+    FleetHandle const plain(made);
+    EXPECT_EQ(rlslab_fleet_load(made, state.data(), state.size()), RLSLAB_STATE);
+}
 TEST(Filters, AFleetIsItsFilters) {
     constexpr std::size_t count = 7;
     auto psi = numbers(rows * count * d, 9), y = numbers(rows * count, 10);

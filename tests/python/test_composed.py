@@ -189,3 +189,43 @@ def test_fleets_that_are_refused():
         with pytest.raises((ValueError, TypeError, MemoryError)):
             rlslab.Fleet(*bad)
     assert fleet.state == before
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"guard": "reset", "guard_options": {"innovation": 4}},
+        {"window": 20, "dtype": "float32"},
+        {"control": ("fortescue", 0.1, 50)},
+        {"guard": "report", "window": 30, "certify": 2, "digits": 3},
+    ],
+)
+def test_a_composed_fleet_is_its_filters(options):
+    rng = np.random.default_rng(8)
+    Psi, y = rng.standard_normal((80, 5, 3)), rng.standard_normal((80, 5))
+    y[50, 2], y[60, 3] = 1e6, np.nan
+    fleet = rlslab.Fleet("ud", 5, 3, forgetting=0.98, **options)
+    for k in range(80):
+        assert fleet.update(Psi[k], y[k]) == (k == 60)
+    for i in range(5):
+        alone = rlslab.Ud(3, forgetting=0.98, **options)
+        for k in range(80):
+            if (k, i) != (60, 3):
+                alone.update(Psi[k, i], y[k, i])
+        assert (alone.theta == fleet.theta[i]).all()
+    other = pickle.loads(pickle.dumps(fleet))
+    copied = fleet.copy()
+    for f in (fleet, other, copied):
+        f.update(Psi[0], y[0])
+    assert (other.theta == fleet.theta).all() and (copied.theta == fleet.theta).all() and other.state == fleet.state
+    fleet.reset(2)
+    assert (fleet.theta[2] == 0).all() and (fleet.theta[1] == other.theta[1]).all()
+
+
+def test_what_no_fleet_can_be_is_refused():
+    with pytest.raises(ValueError, match="takes rows back"):
+        rlslab.Fleet("conventional", 2, 3, guard="rebuild", window=5, control="kulhavy")
+    with pytest.raises(ValueError, match="real numbers"):
+        rlslab.Fleet("ud", 2, 3, guard="reset", dtype="complex64")
+    with pytest.raises(ValueError, match="filters >= 1"):
+        rlslab.Fleet("ud", 0, 3, guard="reset")

@@ -196,12 +196,7 @@ class Filter(Stateful, _core.Filter):
             "prior_theta": arguments[5],
             "prior_covariance": arguments[6],
             "dtype": np.dtype(dtype).name,
-            "window": arguments[7],
-            "guard": guard,
-            "guard_options": dict(guard_options) if guard_options else None,
-            "control": control if control is None or isinstance(control, str) else tuple(control),
-            "certify": arguments[14],
-            "digits": arguments[15],
+            **_options.composed(window, guard, guard_options, control, certify, digits),
         }
         defaults = Filter.__new__.__kwdefaults__ or {}
         self._made = {

@@ -190,6 +190,21 @@ def arguments(
     )
 
 
+def composed(
+    window: Any, guard: Any, guard_options: Any, control: Any, certify: Any, digits: Any
+) -> dict[str, Any]:
+    """What is around a variant, as it is kept: without defaults."""
+    given = {
+        "window": window,
+        "guard": guard,
+        "guard_options": dict(guard_options) if guard_options else None,
+        "control": control if control is None or isinstance(control, str) else tuple(control),
+        "certify": 3 if certify is True else certify,
+        "digits": digits,
+    }
+    return {name: value for name, value in given.items() if value}
+
+
 def made(arguments: tuple[Any, ...], dtype: DTypeLike, count: str) -> dict[str, Any]:
     """What a fleet, or several outputs, of these `arguments` was made with; `count` names the last one."""
     variant, _, size, forgetting, prior_variance, prior_theta, prior_covariance = arguments[:7]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -15,7 +16,10 @@ Self = TypeVar("Self", bound="Fleet")
 
 
 class Fleet(Stateful, _core.Fleet):
-    """M filters of one variant, size and prior, updated together in the lanes of vector instructions.
+    """M filters of one variant, size and prior, updated together.
+
+    Plain filters share the lanes of vector instructions; with a guard, window, control or probes they take their rows
+    one after another, in one call.
 
     Each filter computes the bits that it would compute alone.
 
@@ -29,6 +33,8 @@ class Fleet(Stateful, _core.Fleet):
         The number of parameters d of each.
     forgetting, prior_variance, prior_theta, prior_covariance, dtype
         As of `rlslab.Filter`, the same for all.
+    window, guard, guard_options, control, certify, digits
+        As of `rlslab.Filter`: of every filter, which counts and mends for itself.
     outputs : int, optional
         m outputs of each filter, with dtype complex64 or complex128: what is made then is an `rlslab.Complex`.
     device : {"cpu", "cuda"}
@@ -61,9 +67,18 @@ class Fleet(Stateful, _core.Fleet):
         prior_theta: ArrayLike | None = None,
         prior_covariance: ArrayLike | None = None,
         dtype: DTypeLike = "float64",
+        window: int = 0,
+        guard: str | None = None,
+        guard_options: Mapping[str, float] | None = None,
+        control: _options.Control = None,
+        certify: int = 0,
+        digits: int = 0,
         device: str = "cpu",
         outputs: int | None = None,
     ) -> Self:
+        around = _options.composed(window, guard, guard_options, control, certify, digits)
+        if around and (_options.is_complex(dtype) or device != "cpu"):
+            raise ValueError("a guard, window, control or probes are of fleets of real numbers, on the CPU")
         if _options.is_complex(dtype):
             from ._complex import Complex
 
@@ -76,8 +91,9 @@ class Fleet(Stateful, _core.Fleet):
         if outputs is not None:
             raise ValueError("outputs= is of fleets of complex numbers; of real ones make an rlslab.Outputs each")
         arguments = _options.arguments(
-            variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, filters=filters
-        )
+            variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, window, guard,
+            guard_options, control, certify, digits, filters=filters,
+        )  # fmt: skip
         if arguments[-1] < 1:
             raise ValueError("expected filters >= 1")
         if _options.one_of(device, ("cpu", "cuda"), "device") == "cuda":
@@ -85,7 +101,7 @@ class Fleet(Stateful, _core.Fleet):
 
             return CudaFleet(variant, arguments[-1], arguments[2], arguments[3:7], np.dtype(dtype))  # type: ignore
         self = super().__new__(cls, *arguments)
-        self._made = _options.made(arguments, dtype, "filters")
+        self._made = {**_options.made(arguments, dtype, "filters"), **around}
         return self
 
     def update(self, Psi: ArrayLike, y: ArrayLike) -> int:
@@ -116,7 +132,7 @@ class Fleet(Stateful, _core.Fleet):
 
     @property
     def health(self) -> NDArray[np.intp]:
-        """The worst health of each filter's steps, shape (M,), as places in `rlslab.HEALTHS`."""
+        """Places in `rlslab.HEALTHS`, shape (M,): the worst of a filter's steps, the last where it is guarded."""
         out = np.empty(self.filters)
         self._health(out)
         return out.astype(np.intp)

@@ -140,7 +140,8 @@ std::span<std::string_view const> arithmetics();
 std::span<std::string_view const> guards();
 std::span<std::string_view const> controls();
 
-/// M filters of one variant and one problem, which take a row each at a time, in lockstep (rlslab::Fleet).
+/// M filters of one variant and one problem, which take a row each at a time: in lockstep (rlslab::Fleet), or, where they
+/// are guarded, windowed, ruled or followed by probes, one after another.
 class Fleet {
     Index size_, filters_;
     std::string_view variant_, arithmetic_;
@@ -161,7 +162,8 @@ public:
     /// are rounded once; psi and y are of one.
     virtual Index update(Numbers psi, Numbers y) = 0;
     void theta(Index filter, double* out) const { health(filter, out); }
-    /// undetermined, then the worst of its steps; and its theta where asked.
+    /// undetermined, then the worst of its steps, of guarded filters the last step whose row was usable; and its theta
+    /// where asked.
     virtual std::int32_t health(Index filter, double* theta = nullptr) const = 0;
     virtual void reset(Index filter) = 0;
     std::size_t state_size() const { return save({}); }
@@ -171,7 +173,7 @@ public:
     virtual std::unique_ptr<Fleet> clone() const = 0;
 };
 
-/// As `make`; fleets are of plain variants, and qr_block has none.
+/// As `make`; qr_block has no fleet but a composed one.
 std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
                                   Options const& options);
 

@@ -109,8 +109,9 @@ Problem<double> problem_of_plain(std::string_view variant, std::string_view arit
         refuse(std::string("expected ") + what + " of a plain variant: no guard, window, control or probes");
     return problem;
 }
+/// What makes such filters.
 template <class T>
-std::unique_ptr<Filter> made(std::string_view variant, Options const& options) {
+std::function<AnyAdaptive<T>()> maker(std::string_view variant, Options const& options) {
     Problem<double> const problem = problem_of(options);
     Composition const composition = composition_of(options, problem);
     if (!composition.empty()) {
@@ -118,8 +119,9 @@ std::unique_ptr<Filter> made(std::string_view variant, Options const& options) {
         if (std::string const why = obstacle(composition, variant); !why.empty())
             refuse(std::string(variant) + " cannot be composed so: it " + why);
     }
-    return filter_of<T>([=, in_T = problem_in<T>(problem), guard = guard_options_of(options),
-                         name = std::string(variant)] { return composed_around<T>(composition, guard, name, in_T); });
+    return [=, in_T = problem_in<T>(problem), guard = guard_options_of(options), name = std::string(variant)] {
+        return composed_around<T>(composition, guard, name, in_T);
+    };
 }
 
 }  // namespace
@@ -168,15 +170,21 @@ std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
 std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmetic, Options const& options) {
     expect_one_of(variants(), variant, "variant");
     expect_one_of(arithmetics(), arithmetic, "arithmetic");
-    return arithmetic == ArithmeticTraits<float>::name ? made<float>(variant, options) : made<double>(variant, options);
+    return arithmetic == ArithmeticTraits<float>::name ? filter_of<float>(maker<float>(variant, options))
+                                                       : filter_of<double>(maker<double>(variant, options));
 }
 
 std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
                                   Options const& options) {
-    Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "a fleet");
-    auto out = arithmetic == ArithmeticTraits<float>::name
-                   ? fleet_named<float>(variant, filters, problem_in<float>(problem))
-                   : fleet_named<double>(variant, filters, problem);
+    expect_one_of(variants(), variant, "variant");
+    expect_one_of(arithmetics(), arithmetic, "arithmetic");
+    Problem<double> const problem = problem_of(options);
+    bool const floats = arithmetic == ArithmeticTraits<float>::name, prior = problem.prior.has_value();
+    if (!composition_of(options, problem).empty())
+        return floats ? fleet_of<float>(filters, maker<float>(variant, options)(), prior)
+                      : fleet_of<double>(filters, maker<double>(variant, options)(), prior);
+    auto out = floats ? fleet_named<float>(variant, filters, problem_in<float>(problem))
+                      : fleet_named<double>(variant, filters, problem);
     if (!out) refuse(std::string(variant) + " counts the rows of all filters at once: there is no fleet of it");
     return out;
 }

@@ -26,6 +26,10 @@ std::string refusal_of(StateFault fault, std::span<std::byte const> from);
 template <Real T>
 std::unique_ptr<Filter> filter_of(std::function<AnyAdaptive<T>()> const& make);
 
+/// Filters like `fresh`, one after another; prior: whether they start with one. For float and double.
+template <Real T>
+std::unique_ptr<Fleet> fleet_of(Index filters, AnyAdaptive<T> const& fresh, bool prior);
+
 /// Null where there is none. For float and double.
 template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const&);

@@ -1,0 +1,88 @@
+// A fleet of filters that are guarded, windowed, ruled or followed by probes: what is around a variant is compiled once
+// an arithmetic, and not in lanes, so that they take their rows one after another.
+#include <rlslab/catalogue/native/compose.hpp>
+#include <rlslab/catalogue/native/makers.hpp>
+
+namespace rlslab::native {
+namespace {
+
+template <Real T>
+struct Filters {
+    using scalar = T;
+    static constexpr std::string_view name = "any", layer = "composed fleet";
+    AnyAdaptive<T> fresh;
+    std::vector<AnyAdaptive<T>> each;
+    std::vector<Health> health;
+
+    std::string_view variant_name() const { return fresh.variant_name(); }
+    static std::array<StateOption, 1> options(auto const& f) { return {{{"filters", double(f.each.size())}}}; }
+    static auto state(auto& f) { return std::tie(f.fresh, f.each, f.health); }
+};
+
+template <Real T>
+class ComposedFleet final : public Fleet {
+    Filters<T> f_;
+    bool const signals_, prior_;
+    StateVector<T> row_;
+
+    Health first() const { return prior_ ? Health::sound : Health::undetermined; }
+
+public:
+    ComposedFleet(Index filters, AnyAdaptive<T> const& fresh, bool prior)
+        : Fleet(fresh.theta().size(), filters, fresh.variant_name(), ArithmeticTraits<T>::name),
+          f_{fresh, std::vector<AnyAdaptive<T>>(std::size_t(filters), fresh), {}},
+          signals_(f_.fresh.abilities().signals), prior_(prior), row_(size()) {
+        f_.health.assign(std::size_t(filters), first());
+    }
+
+    Index update(Numbers psi, Numbers y) override {
+        Index missing = 0;
+        std::visit(
+            [&]<class X>(X const* rows) {
+                for (Index m = 0; m < filters(); ++m) {
+                    T const output = T(std::get<X const*>(y)[m]);
+                    for (Index i = 0; i < size(); ++i) row_[i] = T(rows[m * size() + i]);
+                    if (!all_finite(row_) || !is_finite(output)) {
+                        ++missing;
+                        continue;
+                    }
+                    AnyAdaptive<T>& filter = f_.each[std::size_t(m)];
+                    Health const now = filter.update(Regressor<T>(row_.data(), size()), output).health;
+                    Health& mine = f_.health[std::size_t(m)];
+                    if (!signals_) mine = mine == Health::undetermined ? now : worse(mine, now);
+                    else if (filter.signal() != GuardSignal::unusable) mine = now;
+                }
+            },
+            psi);
+        return missing;
+    }
+    std::int32_t health(Index filter, double* theta) const override {
+        auto const& at = f_.each[std::size_t(filter)].theta();
+        if (theta)
+            for (Index i = 0; i < size(); ++i) theta[i] = double(at[i]);
+        return std::int32_t(f_.health[std::size_t(filter)]);
+    }
+    void reset(Index filter) override {
+        f_.each[std::size_t(filter)] = f_.fresh;
+        f_.health[std::size_t(filter)] = first();
+    }
+    std::size_t save(std::span<std::byte> to) const override {
+        return to.empty() ? rlslab::state_size(f_) : rlslab::save(f_, to);
+    }
+    void load(std::span<std::byte const> from) override {
+        if (StateFault const fault = rlslab::load(f_, from); fault != StateFault::none) refuse(refusal_of(fault, from));
+    }
+    std::unique_ptr<Fleet> clone() const override { return std::make_unique<ComposedFleet>(*this); }
+};
+
+}  // namespace
+
+template <Real T>
+std::unique_ptr<Fleet> fleet_of(Index filters, AnyAdaptive<T> const& fresh, bool prior) {
+    expects(filters >= 1, "a number of filters, at least one");
+    return std::make_unique<ComposedFleet<T>>(filters, fresh, prior);
+}
+template std::unique_ptr<Fleet> fleet_of(Index, AnyAdaptive<float> const&, bool);
+template std::unique_ptr<Fleet> fleet_of(Index, AnyAdaptive<double> const&, bool);
+
+}  // namespace rlslab::native
