@@ -39,8 +39,8 @@ struct HighPass {
     }
 };
 
-/// What the filters take: command and rate of a roll axis (3 Hz, damping 0.4), each through the estimator's own low pass
-/// at 30 Hz and high pass at 0.05 Hz; the command is a sine that sweeps from 0.5 to 15 Hz, the gyro has noise.
+/// What the filters take: command and rate of a roll axis (3 Hz, damping 0.4), each through the estimator's own low
+/// pass at 30 Hz and high pass at 0.05 Hz; the command is a sine that sweeps from 0.5 to 15 Hz, the gyro has noise.
 struct Flight {
     double rate, t = 0, phase = 0;
     Biquad axis = Biquad::low_pass(3, rate, 0.4), low_u = Biquad::low_pass(30, rate, 0.7), low_y = low_u;
