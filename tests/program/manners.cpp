@@ -189,7 +189,7 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
 // --- help ------------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const commands{"compare",    "study", "merge", "identify", "simulate",
-                                        "excitation", "state", "list",  "help"};
+                                        "excitation", "state", "export", "list", "help"};
 
 TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     std::string const whole = shell("rlslab --help").out;
