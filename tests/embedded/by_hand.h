@@ -1,10 +1,9 @@
-/* Recursive least squares with forgetting in UD form, written from Bierman's formulas alone.
- *
- *   f = U'psi, v = D f, alpha_0 = lambda, and for j = 1 ... n:
- *   alpha_j = alpha_{j-1} + f_j v_j,  D_j = D_j alpha_{j-1} / (alpha_j lambda),  k_j = v_j,
- *   for i < j:  U_ij' = U_ij - k_i f_j / alpha_{j-1},  k_i += U_ij v_j
- *   theta += k (y - psi'theta) / alpha_n
- */
+// Recursive least squares with forgetting in UD form, written from Bierman's formulas alone.
+//
+//   f = U'psi, v = D f, alpha_0 = lambda, and for j = 1 ... n:
+//   alpha_j = alpha_{j-1} + f_j v_j,  D_j = D_j alpha_{j-1} / (alpha_j lambda),  k_j = v_j,
+//   for i < j:  U_ij' = U_ij - k_i f_j / alpha_{j-1},  k_i += U_ij v_j
+//   theta += k (y - psi'theta) / alpha_n
 #ifndef BY_HAND_H
 #define BY_HAND_H
 
@@ -13,7 +12,7 @@
 typedef struct {
     float lambda;
     float theta[BY_HAND_N];
-    float U[BY_HAND_N][BY_HAND_N]; /* above the diagonal, which is 1 */
+    float U[BY_HAND_N][BY_HAND_N]; // above the diagonal, which is 1
     float D[BY_HAND_N];
 } by_hand;
 
@@ -27,7 +26,7 @@ static void by_hand_init(by_hand *r, float lambda, float variance) {
     }
 }
 
-/* Takes one row; returns the innovation y - psi'theta. */
+// Takes one row; returns the innovation y - psi'theta.
 static float by_hand_update(by_hand *r, const float psi[BY_HAND_N], float y) {
     float f[BY_HAND_N], v[BY_HAND_N], k[BY_HAND_N];
     float e = y, alpha = r->lambda, gain;

@@ -1,5 +1,5 @@
 // Ticks of 1000 rows of noise through unit_row, of -DUNIT: exported, by hand or empty (exported_cost.sh).
-#include <board.hpp>
+#include <board.h>
 
 #include <cstdint>
 

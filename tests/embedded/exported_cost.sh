@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# exported_cost.sh TREE PROGRAM: instructions of a row and bytes of the function that takes it: `ud` with 4 parameters in
-# float, as `PROGRAM export c` writes it, with loops and without, beside by_hand.h. The emulator counts as in cost.sh; a
-# row that does nothing is subtracted. Rows are taken by a function of its own in C, whose step another file may read.
+# exported_cost.sh TREE PROGRAM: instructions of a row and bytes of the function that takes it: `ud` with 4 parameters
+# in float, as `PROGRAM export c` writes it, with loops and without, beside by_hand.h. Counted as in cost.sh;
+# a row that does nothing is subtracted. Rows are taken by a function of its own in C, whose step another file may read.
 set -euo pipefail
 tree=$(realpath -- "$1") program=$2 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT

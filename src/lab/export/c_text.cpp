@@ -105,7 +105,9 @@ struct Writer {
             }
             char const counter = char('i' + depth);
             if (counters.find(counter) == counters.npos) counters += counter;
-            out += fmt::format("{0}for ({1} = 0; {1} < {2}; ++{1}) {{\n", margin, counter, index(item.count, depth));
+            std::string const bound = index(item.count, depth);
+            out += fmt::format("{0}for ({1} = 0; {1} < {2}; ++{1}) {{\n", margin, counter,
+                               bound.find(' ') == bound.npos ? bound : "(" + bound + ")");
             out += lines(item.body, depth + 1, indent + 4, prefix) + margin + "}\n";
         }
         return out;
@@ -166,25 +168,18 @@ Body body(Recording const& r, Exported const& what, int begin, int end, std::vec
     for (auto const& [array, is_read] : read)
         if (!writer.names.contains(array) && array < routine.variables)
             throw std::logic_error("a number is read that nobody wrote");
-    std::map<Kind, std::string> variables;
-    std::map<Kind, int> count;
+    std::map<Kind, std::vector<std::string>> variables;
     for (std::size_t v = 0; v < routine.kinds.size(); ++v) {
         Kind const kind = routine.kinds[v];
-        std::string const name = fmt::format("{}{}",
-                                             kind == Kind::number  ? 'x'
-                                             : kind == Kind::truth ? 't'
-                                                                   : 'h',
-                                             count[kind]++);
-        writer.names[routine.variables + int(v)] = name;
-        variables[kind] += (variables[kind].empty() ? "" : ", ") + name;
+        char const letter = kind == Kind::number ? 'x' : kind == Kind::truth ? 't' : 'h';
+        variables[kind].push_back(fmt::format("{}{}", letter, variables[kind].size()));
+        writer.names[routine.variables + int(v)] = variables[kind].back();
     }
     std::string const lines = writer.lines(routine.items, 0, indent, prefix);
     for (auto const& [kind, list] : variables)
-        declared +=
-            Writer::broken(fmt::format("{}{} {};", margin, writer.type(kind, what.name + "_health"), list), indent);
-    std::string counters;
-    for (char const c : writer.counters) counters += (counters.empty() ? "" : ", ") + std::string(1, c);
-    if (!counters.empty()) declared += fmt::format("{}int {};\n", margin, counters);
+        for (std::string const& name : list)
+            declared += fmt::format("{}{} {};\n", margin, writer.type(kind, what.name + "_health"), name);
+    for (char const c : writer.counters) declared += fmt::format("{}int {};\n", margin, c);
     bool const of_math = uses(routine.items, [](Expression const& e) {
         return e.op == Op::root || (e.op == Op::constant && e.kind == Kind::number && !std::isfinite(e.constant));
     });
@@ -204,7 +199,9 @@ std::string bytes_text(std::vector<std::byte> const& bytes) {
 }  // namespace
 
 std::string c_header(Exported const& what) {
-    char const* const misra = "rule 2.5";
+    std::string const misra = std::string("10.4 (a health is chosen by ?:), ") +
+                              (what.variant == "gentleman" ? "12.1 (?: in ?:), " : "") +
+                              "21.15 (memcpy takes a number's bits)";
     Recording const r = recorded(what.variant, what.size, what.in_double);
     std::string const p = what.name, P = upper(p), number = what.in_double ? "double" : "float";
     std::map<int, std::string> names;
@@ -253,33 +250,33 @@ std::string c_header(Exported const& what) {
             std::string const call = puts ? fmt::format("{}_put_{}(&bytes[at], {});", p, each, place)
                                           : fmt::format("{} = {}_{}_at(&bytes[at]);", place, p, each);
             std::string const margin = puts ? "    " : "        ";
-            *out += m.listed ? fmt::format("{0}for (i = 0; i < {1}; ++i) {{\n{0}    {2}\n{0}    at += {3};\n{0}}}\n",
+            *out += m.listed ? fmt::format("{0}for (i = 0u; i < {1}u; ++i) {{\n{0}    {2}\n{0}    at += {3}u;\n{0}}}\n",
                                            margin, m.length, call, size)
-                             : fmt::format("{0}{1}\n{0}at += {2};\n", margin, call, size);
+                             : fmt::format("{0}{1}\n{0}at += {2}u;\n", margin, call, size);
         }
     }
     bool const truths = std::ranges::any_of(r.state, [](Member const& m) { return m.kind == Kind::truth; });
     std::string const word = what.in_double ? "uint64_t" : "uint32_t";
     int const each = what.in_double ? 8 : 4;
     std::string out = fmt::format(
-        R"c(/* Recursive least squares: {variant}, {d} parameters, in {number}. Written by
- *
- *   {made_by}
- *
- * from the variant's page, by running it with a scalar that records its operations. Write it again instead of changing
- * it. C99 or C++; no heap, no recursion, no goto{math}. A filter takes {memory} bytes.
- *
- *   static {p} filter;
- *   {p}_init(&filter, 0.99{f}, 1000.0{f})     lambda and c^2 of P0 = c^2 I; false: these are no such numbers
- *   {p}_update(&filter, psi, y)         takes one row and returns a {p}_step
- *
- * Where a step's health is not {P}_SOUND, theta, K and P may not be used.
- *
- * The bits are those of the C++ filter while each operation is rounded once: to nearest, subnormal numbers kept. gcc
- * reads no pragma against fusing and fuses with -std=gnu99 on processors that can: -std=c99 or -ffp-contract=off.
- *
- * MISRA C:2012, what cppcheck's addon finds: {misra}.
- */
+        R"c(// Recursive least squares: {variant}, {d} parameters, in {number}. Written by
+//
+//   {made_by}
+//
+// from the variant's page, by running it with a scalar that records its operations. Write it again instead of changing
+// it. C99 or C++; no heap, no recursion, no goto{math}. A filter takes {memory} bytes.
+//
+//   static {p} filter;
+//   {p}_init(&filter, 0.99{f}, 1000.0{f})    begins: lambda, and c^2 of P0 = c^2 I
+//   {p}_update(&filter, psi, y)    takes a row of {d} numbers and its output, and returns a {p}_step
+//
+// Where a step's health is not {P}_SOUND, theta, K and P may not be used.
+//
+// The bits are those of the C++ filter while each operation is rounded once, to nearest, and subnormal numbers are
+// kept. gcc reads no STDC pragma against fusing: -std=c99 does not fuse, with -std=gnu99 and in C++ functions are
+// compiled with fp-contract=off and are then not inlined. -std=c99 -ffp-contract=fast leaves other bits.
+//
+// MISRA C:2012, what cppcheck's addon finds: {misra}.
 #ifndef {P}_H
 #define {P}_H
 
@@ -296,22 +293,25 @@ std::string c_header(Exported const& what) {
 #endif
 #if defined(__clang__) || !defined(__GNUC__)
 #pragma STDC FP_CONTRACT OFF
+#elif defined(__cplusplus) || !defined(__STRICT_ANSI__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
 #endif
 
 typedef enum {{ {P}_SOUND, {P}_UNDETERMINED, {P}_INDEFINITE, {P}_NONFINITE }} {p}_health;
 
-/* Squares are stored by columns. */
+// Squares are stored by columns.
 typedef struct {{
 {fields}}} {p};
 
 typedef struct {{
-    {number} innovation; /* y - psi'theta before the row */
-    {number} residual;   /* and after it */
-    {number} gamma;      /* lambda / (lambda + psi'P psi) */
+    {number} innovation; // y - psi'theta before the row
+    {number} residual;   // and after it
+    {number} gamma;      // lambda / (lambda + psi'P psi)
     {p}_health health;
 }} {p}_step;
 
-/* False: not 0 < lambda <= 1, or not 0 < variance; f is as it was. */
+// False: not 0 < lambda <= 1, or not 0 < variance; f is as it was.
 static inline bool {p}_init({p} *f, {number} lambda, {number} variance) {{
     bool valid;
 {valid}    if (valid) {{
@@ -319,7 +319,7 @@ static inline bool {p}_init({p} *f, {number} lambda, {number} variance) {{
     return valid;
 }}
 
-/* psi is no part of f. */
+// psi is no part of f.
 static inline {p}_step {p}_update({p} *f, const {number} psi[{d}], {number} y) {{
     {p}_step step;
 {update}    return step;
@@ -333,7 +333,7 @@ static inline {p}_step {p}_update({p} *f, const {number} psi[{d}], {number} y) {
         fmt::arg("update", update.text), fmt::arg("misra", misra));
     if (r.theta >= 0)
         out += fmt::format(R"c(
-/* Solves for theta. */
+// Solves for theta.
 static inline void {p}_theta(const {p} *f, {number} theta[{d}]) {{
 {theta}}}
 )c",
@@ -341,19 +341,20 @@ static inline void {p}_theta(const {p} *f, {number} theta[{d}]) {{
                            fmt::arg("theta", theta.text));
     out += fmt::format(
         R"c(
-/* The state in the bytes of rlslab's format (docs/state.md): C++ goes on from them, and this from C++'s. */
-#define {P}_STATE_BYTES {size}
+// The state in the bytes of rlslab's format (docs/state.md): C++ goes on from them, and this from C++'s.
+#define {P}_STATE_BYTES {size}u
 
 static const uint8_t {p}_head[{head_size}] = {{
 {head}
 }};
 
-static inline uint32_t {p}_checksum(const uint8_t *bytes, int count) {{
+static inline uint32_t {p}_checksum(const uint8_t *bytes, uint32_t count) {{
     uint32_t rest = 0xffffffffu;
-    int i, bit;
-    for (i = 0; i < count; ++i) {{
+    uint32_t i;
+    uint32_t bit;
+    for (i = 0u; i < count; ++i) {{
         rest ^= bytes[i];
-        for (bit = 0; bit < 8; ++bit) {{
+        for (bit = 0u; bit < 8u; ++bit) {{
             rest = ((rest & 1u) != 0u) ? ((rest >> 1) ^ 0xedb88320u) : (rest >> 1);
         }}
     }}
@@ -361,18 +362,18 @@ static inline uint32_t {p}_checksum(const uint8_t *bytes, int count) {{
 }}
 static inline void {p}_put_number(uint8_t *to, {number} x) {{
     {word} bits;
-    int i;
+    {word} i;
     (void)memcpy(&bits, &x, sizeof bits);
-    for (i = 0; i < {each}; ++i) {{
-        to[i] = (uint8_t)((bits >> (8 * i)) & 0xffu);
+    for (i = 0u; i < {each}u; ++i) {{
+        to[i] = (uint8_t)((bits >> (8u * i)) & 0xffu);
     }}
 }}
 static inline {number} {p}_number_at(const uint8_t *from) {{
     {word} bits = 0u;
     {number} x;
-    int i;
-    for (i = 0; i < {each}; ++i) {{
-        bits |= (({word})from[i]) << (8 * i);
+    {word} i;
+    for (i = 0u; i < {each}u; ++i) {{
+        bits |= (({word})from[i]) << (8u * i);
     }}
     (void)memcpy(&x, &bits, sizeof x);
     return x;
@@ -380,28 +381,31 @@ static inline {number} {p}_number_at(const uint8_t *from) {{
 {truths}
 static inline void {p}_save(const {p} *f, uint8_t bytes[{P}_STATE_BYTES]) {{
     uint32_t sum;
-    int at = {head_size};
-    int i;
+    uint32_t at = {head_size}u;
+    uint32_t i;
     (void)memcpy(bytes, {p}_head, {head_size}u);
 {put}    sum = {p}_checksum(bytes, at);
-    for (i = 0; i < 4; ++i) {{
-        bytes[at + i] = (uint8_t)((sum >> (8 * i)) & 0xffu);
+    for (i = 0u; i < 4u; ++i) {{
+        bytes[at + i] = (uint8_t)((sum >> (8u * i)) & 0xffu);
     }}
 }}
-/* False: no state of this variant, arithmetic and size, or a damaged one; f is as it was. */
+// False: no state of this variant, arithmetic and size, or a damaged one; f is as it was.
 static inline bool {p}_load({p} *f, const uint8_t bytes[{P}_STATE_BYTES]) {{
-    const uint32_t sum = {p}_checksum(bytes, {P}_STATE_BYTES - 4);
+    const uint32_t sum = {p}_checksum(bytes, {P}_STATE_BYTES - 4u);
     bool valid = memcmp(bytes, {p}_head, {head_size}u) == 0;
-    int at = {head_size};
-    int i;
-    for (i = 0; i < 4; ++i) {{
-        valid = valid && (bytes[{P}_STATE_BYTES - 4 + i] == (uint8_t)((sum >> (8 * i)) & 0xffu));
+    uint32_t at = {head_size}u;
+    uint32_t i;
+    for (i = 0u; i < 4u; ++i) {{
+        valid = valid && (bytes[({P}_STATE_BYTES - 4u) + i] == (uint8_t)((sum >> (8u * i)) & 0xffu));
     }}
 {check}    if (valid) {{
 {get}    }}
     return valid;
 }}
 
+#if defined(__GNUC__) && !defined(__clang__) && (defined(__cplusplus) || !defined(__STRICT_ANSI__))
+#pragma GCC pop_options
+#endif
 #endif
 )c",
         fmt::arg("p", p), fmt::arg("P", P), fmt::arg("size", state_bytes), fmt::arg("head_size", r.head.size()),

@@ -139,9 +139,10 @@ Command export_command(CLI::App& app) {
         "root. Forgetting and the prior's variance are arguments of motor_init. The bits and the saved bytes are those "
         "of the C++ filter. There is no guard in it.\n\n"
         "Exit code: 0; 2 what cannot be exported.");
-    static std::string const variants = fmt::format("{}", fmt::join(exporting::exported_variants(), "|"));
     define(*c, {OptionRow("LANGUAGE", o->language, "", "c").required(),
-                OptionRow("--variant", o->variant, variants.c_str(), "gentleman in double alone").required(),
+                OptionRow("--variant", o->variant, "NAME",
+                          fmt::format("{}; gentleman in double alone", fmt::join(exporting::exported_variants(), ", ")))
+                    .required(),
                 OptionRow("--size", o->size, "N", whole(1, exporting::largest_exported),
                           fmt::format("number of parameters, 1 to {}", exporting::largest_exported))
                     .required(),
