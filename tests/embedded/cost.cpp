@@ -6,7 +6,7 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/variants/variants.hpp>
 
-#include <board.hpp>
+#include <board.h>
 #ifdef COUNTED
 #include <rlslab/arithmetic/counted.hpp>
 

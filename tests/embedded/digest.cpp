@@ -7,7 +7,7 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <bit>
-#include <board.hpp>
+#include <board.h>
 
 using namespace rlslab;
 

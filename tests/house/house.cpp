@@ -112,7 +112,7 @@ constexpr std::string_view order[] = {
     "src/rlslab/linalg <- variants, src/rlslab/adapt <- variants/fast, src/rlslab/many variants <- src/rlslab",
     "src/rlslab/many variants <- src/rlslab/gpu src/catalogue/native, src/rlslab/core <- src/lab/report",
     "src/catalogue/native src/rlslab/model <- src/catalogue",
-    "src/catalogue src/lab/report variants/fast <- src/lab/compare src/lab/identify <- src/lab/engine",
+    "src/catalogue src/lab/report variants/fast <- src/lab/compare src/lab/identify src/lab/export <- src/lab/engine",
     "src/lab/engine <- src/lab/program studies docs/examples, src/catalogue <- docs/site",
     "src/catalogue src/rlslab/gpu <- bindings, src/catalogue src/lab/report variants/fast bindings <- bench",
     "studies bench docs/site src/lab/program <- tests",

@@ -189,7 +189,7 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
 // --- help ------------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const commands{"compare",    "study", "merge", "identify", "simulate",
-                                        "excitation", "state", "list",  "help"};
+                                        "excitation", "state", "export", "list", "help"};
 
 TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     std::string const whole = shell("rlslab --help").out;
@@ -266,8 +266,8 @@ protected:
 TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab co"), "compare ");
     EXPECT_EQ(offered("rlslab \"\""),
-              "compare sweep study merge identify simulate excitation state list example cite help ");
-    EXPECT_EQ(offered("rlslab help ex"), "excitation example ");
+              "compare sweep study merge identify simulate excitation state export list example cite help ");
+    EXPECT_EQ(offered("rlslab help ex"), "excitation export example ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
     EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_size gain_error_definiteness ");
     EXPECT_EQ(offered("rlslab study gain_error slic"), "slicot ");

@@ -134,6 +134,7 @@ Command identify_command(CLI::App& app);
 Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);
 Command state_command(CLI::App& app);
+Command export_command(CLI::App& app);
 Command list_command(CLI::App& app);
 Command example_command(CLI::App& app);
 Command cite_command(CLI::App& app);

@@ -1,5 +1,6 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
 #include <rlslab/catalogue/catalogue.hpp>
+#include "src/lab/export/export.hpp"
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/examples.hpp"
@@ -36,6 +37,10 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
     };
     bool const list = one.value.find(',') != std::string::npos;
     if (one.value.find('|') != std::string::npos) return {words, split(one.value, '|')};
+    if (one.name == "--variant" && command.get_name() == "export") {
+        for (std::string_view const variant : exporting::exported_variants()) add(variant);
+        return {words, names};
+    }
     if (one.name == "--variant" || one.name == "--variants") {
         for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
         return {words, names, list};

@@ -1,4 +1,5 @@
 // rlslab's command line: what it is for, its commands, and those of them that are a few lines.
+#include "src/lab/export/export.hpp"
 #include "src/lab/program/bibliography.hpp"
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
@@ -89,6 +90,68 @@ Command state_command(CLI::App& app) {
             }};
 }
 
+namespace {
+
+/// A name of C: a letter first, then letters, digits and _.
+bool is_name_of_c(std::string_view name) {
+    auto const letter = [](char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z'); };
+    return !name.empty() && name.size() <= 31 && letter(name.front()) &&
+           std::ranges::all_of(name, [&](char c) { return letter(c) || c == '_' || ('0' <= c && c <= '9'); });
+}
+
+struct ExportOptions {
+    std::string language, variant, arithmetic, name;
+    long size = 0;
+    bool unrolled = false;
+};
+int run_export(ExportOptions const& o) {
+    expect_one_of({"c"}, o.language, "export", "language");
+    expect_one_of(exporting::exported_variants(), o.variant, "--variant", "variant that is exported");
+    expect_one_of({"float", "double"}, o.arithmetic, "--arithmetic", "arithmetic");
+    if (!exporting::is_exported(o.variant, o.arithmetic == "double"))
+        throw InputError(fmt::format("{} in {}: expected double, it sums in double there", o.variant, o.arithmetic));
+    std::string const own = fmt::format("{}_{}_{}", o.variant, o.size, o.arithmetic),
+                      name = o.name.empty() ? own : o.name;
+    if (!is_name_of_c(name))
+        throw InputError(fmt::format("--name: expected a letter, then letters, digits and _, 31 at most, found \"{}\"",
+                                     printable(name)));
+    std::string made_by =
+        fmt::format("rlslab export c --variant {} --size {} --arithmetic {}", o.variant, o.size, o.arithmetic);
+    if (name != own) made_by += " --name " + name;
+    if (o.unrolled) made_by += " --unrolled";
+    print(exporting::c_header({.variant = o.variant,
+                               .size = int(o.size),
+                               .in_double = o.arithmetic == "double",
+                               .name = name,
+                               .made_by = made_by,
+                               .loops = !o.unrolled}));
+    return 0;
+}
+
+}  // namespace
+
+Command export_command(CLI::App& app) {
+    auto const o = std::make_shared<ExportOptions>();
+    CLI::App* const c = app.add_subcommand("export", "A filter as one header of C99, for firmware.");
+    c->footer(
+        "Example:  rlslab export c --variant ud --size 4 --arithmetic float --name motor > motor.h\n\n"
+        "The header has a type, and functions that begin one, take a row, save and load: no heap, no libm but a square "
+        "root. Forgetting and the prior's variance are arguments of motor_init. The bits and the saved bytes are those "
+        "of the C++ filter. There is no guard in it.\n\n"
+        "Exit code: 0; 2 what cannot be exported.");
+    define(*c, {OptionRow("LANGUAGE", o->language, "", "c").required(),
+                OptionRow("--variant", o->variant, "NAME",
+                          fmt::format("{}; gentleman in double alone", fmt::join(exporting::exported_variants(), ", ")))
+                    .required(),
+                OptionRow("--size", o->size, "N", whole(1, exporting::largest_exported),
+                          fmt::format("number of parameters, 1 to {}", exporting::largest_exported))
+                    .required(),
+                OptionRow("--arithmetic", o->arithmetic, "float|double", "its numbers").required(),
+                OptionRow("--name", o->name, "NAME", "of the type, and before each function; default ud_4_float"),
+                OptionRow("--unrolled", o->unrolled, "no loops: fewer instructions, more bytes")});
+    return {c, [o] { return run_export(*o); }};
+}
+
 ThisProgram const this_program{
     .question =
         "Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
@@ -98,11 +161,11 @@ ThisProgram const this_program{
         "(compare), the variant broke down (identify), the input identifies no model (excitation)",
     .commands =
         [](CLI::App& app) {
-            return std::vector<Command>{compare_command(app),    sweep_command(app),     study_command(app),
-                                        merge_command(app),      identify_command(app),  simulate_command(app),
-                                        excitation_command(app), state_command(app),     list_command(app),
-                                        example_command(app),    cite_command(app),      help_command(app),
-                                        man_command(app),        completion_command(app)};
+            return std::vector<Command>{compare_command(app),    sweep_command(app),    study_command(app),
+                                        merge_command(app),      identify_command(app), simulate_command(app),
+                                        excitation_command(app), state_command(app),    export_command(app),
+                                        list_command(app),       example_command(app),  cite_command(app),
+                                        help_command(app),       man_command(app),      completion_command(app)};
         },
 };
 

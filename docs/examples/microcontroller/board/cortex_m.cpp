@@ -1,6 +1,6 @@
 // The board, where there is none: start-up of a Cortex-M and a terminal by way of the debugger (semihosting), for Arm's
 // MPS2 boards as QEMU has them. A real board has its vendor's start-up code instead, and a serial port for a terminal.
-#include <board.hpp>
+#include <board.h>
 
 #include <cstdint>
 #include <cstring>

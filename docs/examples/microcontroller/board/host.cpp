@@ -1,5 +1,5 @@
 // The board, where there is an operating system.
-#include <board.hpp>
+#include <board.h>
 
 #include <cstdio>
 #include <cstdlib>
