@@ -232,7 +232,7 @@ def verdicts():
 messages = (("an error of the gain", "gain_error gain_error_size gain_error_definiteness mixed_gain blocks "
                                      "test_time_layer"),
             ("basis", "joseph_basis backward_error choose"),
-            ("drift", "delta_forms sqrt_lambda_bias accuracy_steps fused_symmetry"),
+            ("drift", "delta_forms distinct_rows sqrt_lambda_bias accuracy_steps fused_symmetry"),
             ("map and survey", "winner_map survey random_problems everyday_problems"),
             ("half-power law and certificate", "half_power prior_any certificate"), ("other studies", ""))
 

@@ -293,6 +293,11 @@ Statistic between_cells(std::string column, char const* one, char const* other) 
 Selection of_form(char const* form) { return where("form", Cell(form)); }
 Words const repeated{"period 4", "period 16", "period 64", "period 256"}, met{"phasors", "prbs", "means"},
     awake{"period 4", "period 16", "period 64", "period 256", "phasors", "prbs", "means", "white"};
+Selection const at_random = of("ud_delta", "stochastic").where("rows", awake);
+/// Up to four parameters: a period of four rows does not determine eight.
+Selection determined(Selection const& rows) { return rows.where("d", below(8)); }
+Words const dithered{"period 4", "phasors", "prbs"};
+Basis const set_after = own_result("set after the first runs");
 Basis const set_before = own_result("docs/theory.md 91, 135 to 137; set before any run of this study");
 
 }  // namespace
@@ -304,7 +309,16 @@ Study const distinct_rows{
     .source = "derived (docs/theory.md 91, 135 to 137)",
     .formula = R"tex(\frac{\|\delta P\|}{\|P\|} = \frac{c\,u\,m}{\sqrt{\min(T, 2m)}} \text{ (nearest)}, \qquad
 c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
-    .interpretation = "Predictions, before any run.",
+    .interpretation =
+        "Rounding to nearest loses the law's u m / sqrt(T) on white rows, phasors and means of groups; a PRBS errs as "
+        "a constant does, by u m over a significand, because every square in it is 1. Stochastic rounding, or a "
+        "uniform dither of one unit where D and U are stored, leaves c u sqrt(m) on each of these. So it is better "
+        "where fewer than m rows are distinct, and costs up to sqrt(2) on others. Against what was expected, one "
+        "random bit a row leaves a third to two thirds of the error to nearest and is no cure; rows in a new order "
+        "each period are one at a memory of 1000, and not at 10000; two rows in two parameters err by up to 4.1 u m. "
+        "Period 4 was run with 8 parameters too, which it does not determine: bands are missed by that alone, and "
+        "three of them are judged again without it. carlson drifts under stochastic rounding: its root of lambda is "
+        "rounded once.",
     .data =
         "white rows that repeat, 50 Hz phasors at 20 samples a period, PRBS of period 63, means of groups, a constant, "
         "white rows; P0 = I; after ln(1/u) + 1.5 memories, stochastically 6; every row: cycles in 6 to 11 bits",
@@ -362,12 +376,9 @@ c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
             {"phasors, PRBS, means of groups, to nearest: 0.4 to 1.6 times",
              within(of("ud_delta", "nearest").where("rows", met), {"rows"}, over_law, 0.4, 1.6), set_before, 0.4},
             {"stochastic rounding: ud_delta has 0.5 to 1.6 times its law, whatever rows but a constant",
-             within(of("ud_delta", "stochastic").where("rows", awake), {"rows"}, root_mean_square("ratio"), 0.5, 1.6),
-             set_before, 0.55},
+             within(at_random, {"rows"}, root_mean_square("ratio"), 0.5, 1.6), set_before, 0.55},
             {"there the trace of P errs by -0.1 to 0.1 times the law, the mean over rows and settings",
-             within(of("ud_delta", "stochastic").where("rows", awake), {}, Statistic(mean("trace")).as(Estimate::mean),
-                    -0.1, 0.1),
-             set_before, 0.75},
+             within(at_random, {}, Statistic(mean("trace")).as(Estimate::mean), -0.1, 0.1), set_before, 0.75},
             {"stochastic rounding: ud errs by 1.3 to 2.3 times what ud_delta does",
              within(where("rounding", Cell("stochastic")).where("rows", awake), {"memory"},
                     between_cells("form", "ud", "ud_delta"), 1.3, 2.3),
@@ -387,8 +398,7 @@ c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
              set_before, 0.55},
             {"period 4, phasors, PRBS: with one random bit a row, +-1/4 unit, ud_delta has 0.4 to 1.8 times the law of "
              "stochastic rounding",
-             within(of("ud_delta", "bit").where("rows", Words{"period 4", "phasors", "prbs"}), {"rows"},
-                    root_mean_square("ratio"), 0.4, 1.8),
+             within(of("ud_delta", "bit").where("rows", dithered), {"rows"}, root_mean_square("ratio"), 0.4, 1.8),
              set_before, 0.55},
             {"a constant row: that bit leaves 0.4 to 0.6 of the error to nearest",
              within(of_form("ud_delta").where("rows", Cell("constant")).where("word", 24.0), {"memory"},
@@ -403,6 +413,22 @@ c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
                     }),
                     0.6, 1.5),
              set_before, 0.6},
+            {"rows that determine each parameter, to nearest: ud_delta has 0.5 to 1.5 times its law at each period of "
+             "white rows",
+             within(determined(of("ud_delta", "nearest").where("rows", repeated)), {"rows"}, over_law, 0.5, 1.5),
+             set_after},
+            {"such rows, stochastically: 0.5 to 1.6 times its law, and a mean error of the trace of -0.1 to 0.1",
+             within(determined(at_random), {"rows"}, root_mean_square("ratio"), 0.5, 1.6) &&
+                 within(determined(at_random), {}, Statistic(mean("trace")).as(Estimate::mean), -0.1, 0.1),
+             set_after},
+            {"period 4, phasors, PRBS: a uniform dither of one unit leaves 0.4 to 1.6 times the law of stochastic "
+             "rounding",
+             within(of("ud_delta", "dither").where("rows", dithered), {"rows"}, root_mean_square("ratio"), 0.4, 1.6),
+             set_after},
+            {"there one random bit a row leaves 0.3 to 0.8 of the error to nearest",
+             within(of_form("ud_delta").where("rows", dithered).where("word", 24.0).where("d", 4.0), {"rows"},
+                    between_cells("rounding", "bit", "nearest"), 0.3, 0.8),
+             set_after},
         },
 };
 
