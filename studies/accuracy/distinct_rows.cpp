@@ -310,15 +310,14 @@ Study const distinct_rows{
     .formula = R"tex(\frac{\|\delta P\|}{\|P\|} = \frac{c\,u\,m}{\sqrt{\min(T, 2m)}} \text{ (nearest)}, \qquad
 c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
     .interpretation =
-        "Rounding to nearest loses the law's u m / sqrt(T) on white rows, phasors and means of groups; a PRBS errs as "
-        "a constant does, by u m over a significand, because every square in it is 1. Stochastic rounding, or a "
-        "uniform dither of one unit where D and U are stored, leaves c u sqrt(m) on each of these. So it is better "
-        "where fewer than m rows are distinct, and costs up to sqrt(2) on others. Against what was expected, one "
-        "random bit a row leaves a third to two thirds of the error to nearest and is no cure; rows in a new order "
-        "each period are one at a memory of 1000, and not at 10000; two rows in two parameters err by up to 4.1 u m. "
-        "Period 4 was run with 8 parameters too, which it does not determine: bands are missed by that alone, and "
-        "three of them are judged again without it. carlson drifts under stochastic rounding: its root of lambda is "
-        "rounded once.",
+        "What failed: one random bit a row leaves a third to two thirds of the error to nearest and is no cure; rows "
+        "in a new order each period are one at a memory of 1000, and not at 10000; two rows in two parameters err by "
+        "up to 4.1 u m; a PRBS errs as a constant does, by u m over a significand, because every square in it is 1. A "
+        "deviation: period 4 was run with 8 parameters too, which it does not determine. Bands are missed by that "
+        "alone, and three of them are judged again without it. Seen: rounding to nearest loses the law's u m / sqrt(T) "
+        "on white rows, phasors and means of groups. Stochastic rounding, or a uniform dither of one unit where D and "
+        "U are stored, leaves c u sqrt(m) on each of these. So it is better where fewer than m rows are distinct, and "
+        "costs up to sqrt(2) on others. carlson drifts under it: its root of lambda is rounded once.",
     .data =
         "white rows that repeat, 50 Hz phasors at 20 samples a period, PRBS of period 63, means of groups, a constant, "
         "white rows; P0 = I; after ln(1/u) + 1.5 memories, stochastically 6; every row: cycles in 6 to 11 bits",
