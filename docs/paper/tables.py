@@ -229,10 +229,10 @@ def verdicts():
 
 
 # The studies of each message of the paper; any other is under the last heading.
-messages = (("an error of the gain", "gain_error gain_error_size gain_error_definiteness mixed_gain blocks "
-                                     "test_time_layer"),
+messages = (("an error of the gain", "gain_error gain_error_size gain_error_definiteness mixed_gain blocks"),
             ("basis", "joseph_basis backward_error choose"),
-            ("drift", "delta_forms sqrt_lambda_bias accuracy_steps fused_symmetry"),
+            ("drift", "delta_forms distinct_rows sqrt_lambda_bias accuracy_steps fused_symmetry"),
+            ("a state in 16 bits", "test_time_layer"),
             ("map and survey", "winner_map survey random_problems everyday_problems"),
             ("half-power law and certificate", "half_power prior_any certificate"), ("other studies", ""))
 

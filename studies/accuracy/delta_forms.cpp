@@ -315,7 +315,7 @@ Selection const mixing = [] {
         if (r.mixes()) out.emplace_back(r.name);
     return where("regime", out).where("rows", white_rows);
 }();
-Basis predicted() { return own_result("docs/theory.md 91; set before the run, a prototype had run on other rows"); }
+Basis predicted() { return own_result("docs/theory.md 91; set before the run, after a prototype on other rows"); }
 
 }  // namespace
 

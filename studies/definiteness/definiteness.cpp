@@ -204,7 +204,7 @@ extern Study const definiteness{
          "definite in most, through all 6000 steps",
          most(easy_in_double.where("variant", "joseph"), "indefinite") &&
              most(easy_in_double.where("variant", {"symmetric", "joseph_rank_two"}), "definite"),
-         own_result("set before the run: all or none; restated for most runs, as an interval shows no more")},
+         own_result("set before the run: all or none; restated after it for most runs")},
         {"the expansion joseph_rank_two breaks its promise too, but when symmetric does: median steps at kappa_P = "
          "4/u within a factor of 4",
          ratio("joseph_rank_two", 0.25, 4), own_result("first edition, set after its run")},

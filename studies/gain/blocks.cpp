@@ -315,7 +315,7 @@ Judge over(Selection const& rows, std::string column, std::string one, std::stri
     });
     return within(rows, {"d", "k", "c2"}, ratio, from, to);
 }
-Basis const set_before = own_result("set before any run; runs of numpy and of a GPU on other rows had been seen");
+Basis const set_before = own_result("set before any run, after runs of numpy and of a GPU on other rows");
 Basis const narrowed = own_result("set before any run; d = 256, which has one c^2, was taken out after the first");
 std::vector<std::string> const setting{"d", "k"};
 Selection sloped(char const* form, char const* word) { return ten(form, word).where("d", below(256)); }

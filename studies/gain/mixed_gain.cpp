@@ -337,12 +337,12 @@ extern Study const mixed_gain{
          labelled("joseph", against(with(poles, 4, 16), rank_two_f, joseph_f, 1, 1e300)) &&
              labelled("symmetric, K", against(with(poles, 4, 16), rank_two_f, symmetric_K, 1, 1e300)) &&
              labelled("ud, v", against(with(poles, 4, 16), rank_two_f, ud_K, 1, 1e300)),
-         own_result("set before the run (T3); since it an error above 1000 counts as 1000")},
+         own_result("set before the run (T3); after it an error above 1000 was counted as 1000")},
         {"T3: joseph_rank_two so: 3 times symmetric's with K alone short for white rows (2 to 4.5), 14 to 35 times "
          "for the pole 0.99",
          against(with({"white"}, 8, 16), rank_two_f, symmetric_K, 2, 4.5) &&
              against(with({"pole 0.99"}, 8, 16), rank_two_f, symmetric_K, 14, 35),
-         own_result("set before the run (T3); since it an error above 1000 counts as 1000")},
+         own_result("set before the run (T3); after it an error above 1000 was counted as 1000")},
         {"T3: joseph_rank_two so: with the pole 0.99 it ends definite in 60 % of runs with 6 bits, 25 % with 4, "
          "each to 25 %",
          definite_in(6, 0.45, 0.75) && definite_in(4, 0.1875, 0.3125), own_result("set before the run (T3)")},
@@ -356,19 +356,19 @@ extern Study const mixed_gain{
         {"T3: f and s in 6 bits too cost Joseph's form a factor of 6, 20, 100 for the poles 0, 0.9, 0.99, to a "
          "factor of 3",
          cost_of_short_f("white", 6) && cost_of_short_f("pole 0.9", 20) && cost_of_short_f("pole 0.99", 100),
-         own_result("a factor of 3, set before the run (T3); since it an error above 1000 counts as 1000")},
+         own_result("a factor of 3, set before the run (T3); after it an error above 1000 was counted as 1000")},
         {"T4: joseph_rank_two with K short is more accurate than ud with v short, at 4 to 18 bits, for each of the "
          "poles",
          against(with(poles, 4, 18), rank_two_K, ud_K, 0, 1),
-         own_result("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
+         own_result("docs/theory.md 68, set before the run (T4); after it an error above 1000 was counted as 1000")},
         {"T4: with a gain of all 24 bits they tie where the pole is 0.99: to a factor of 1.25",
          against(with({"pole 0.99"}, 24, 24), rank_two_K, ud_K, 0.8, 1.25),
-         own_result("set before the run (T4); since it an error above 1000 counts as 1000")},
+         own_result("set before the run (T4); after it an error above 1000 was counted as 1000")},
         {"T4: where P0 is large their own floors are above A^2/B, and ud is more accurate than both of Joseph's "
          "forms at 4 to 18 bits",
          labelled("joseph", against(with({"large P0"}, 4, 18), joseph_K, ud_K, 1, 1e300)) &&
              labelled("joseph_rank_two", against(with({"large P0"}, 4, 18), rank_two_K, ud_K, 1, 1e300)),
-         own_result("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
+         own_result("docs/theory.md 68, set before the run (T4); after it an error above 1000 was counted as 1000")},
         {"T5: the sweeps with a running gain of 2 bits and more are definite at the end of every run",
          everywhere(where("variant", {"ud", "carlson", "inverse_qr"}), "definite", "yes", Estimate::proven),
          verification("docs/theory.md 34 (T5)").by("docs/theory.md 34")}}};
