@@ -2,6 +2,7 @@
 #include "bindings/c/border.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <new>
 
 using namespace rlslab;
@@ -23,25 +24,31 @@ void report(rlslab_step* to, Update const& update) {
     ::new (to ? static_cast<void*>(to) : &unwanted) native::Step(update());
 }
 
-template <class T>
-rlslab_status update(rlslab_filter* filter, T const* psi, T y, rlslab_step* step) noexcept {
+/// weight: one, or none.
+template <class T, class... Weight>
+rlslab_status update(rlslab_filter* filter, T const* psi, T y, rlslab_step* step, Weight... weight) noexcept {
     if (!filter || !psi) [[unlikely]]
         return null_among({{"filter", filter}, {"psi", psi}});
-    return guarded([&] { report(step, [&] { return of(filter).update(psi, y); }); });
+    return guarded([&] { report(step, [&] { return of(filter).update(psi, y, weight...); }); });
 }
-template <class T>
-rlslab_status update_many(rlslab_filter* filter, T const* psi, std::size_t rows, std::size_t stride, T const* y,
-                          rlslab_step* steps) noexcept {
-    if (!filter) return null_among({{"filter", filter}});
-    if (rows == 0) return RLSLAB_OK;
-    if (!psi || !y) return null_among({{"psi", psi}, {"y", y}});
+/// OK if the rows, each of `each` bytes where it goes, fit into memory; the stride is d where it was 0.
+rlslab_status fit(rlslab_filter const* filter, std::size_t rows, std::size_t& stride, std::size_t each) noexcept {
     std::size_t const d = std::size_t(of(filter).size());
     if (stride == 0) stride = d;
     if (stride < d) return failed(RLSLAB_INVALID, "a stride of %zu, less than the %zu parameters", stride, d);
-    if (stride > PTRDIFF_MAX / sizeof(native::Step) / rows)
+    if (stride > PTRDIFF_MAX / each / rows)
         return failed(RLSLAB_INVALID, "%zu rows of stride %zu are beyond memory", rows, stride);
+    return RLSLAB_OK;
+}
+template <class T>
+rlslab_status update_many(rlslab_filter* filter, T const* psi, std::size_t rows, std::size_t stride, T const* y,
+                          T const* weights, rlslab_step* steps) noexcept {
+    if (!filter) return null_among({{"filter", filter}});
+    if (rows == 0) return RLSLAB_OK;
+    if (!psi || !y) return null_among({{"psi", psi}, {"y", y}});
+    if (rlslab_status const status = fit(filter, rows, stride, sizeof(native::Step))) return status;
     return guarded([&] {
-        of(filter).update_many(psi, native::Index(rows), native::Index(stride), y,
+        of(filter).update_many(psi, native::Index(rows), native::Index(stride), y, weights,
                                reinterpret_cast<native::Step*>(steps));
     });
 }
@@ -95,15 +102,47 @@ rlslab_status rlslab_update_f32(rlslab_filter* filter, float const* psi, float y
 }
 rlslab_status rlslab_update_many(rlslab_filter* filter, double const* psi, std::size_t rows, std::size_t stride,
                                  double const* y, rlslab_step* steps) {
-    return update_many(filter, psi, rows, stride, y, steps);
+    return update_many(filter, psi, rows, stride, y, decltype(y)(nullptr), steps);
 }
 rlslab_status rlslab_update_many_f32(rlslab_filter* filter, float const* psi, std::size_t rows, std::size_t stride,
                                      float const* y, rlslab_step* steps) {
-    return update_many(filter, psi, rows, stride, y, steps);
+    return update_many(filter, psi, rows, stride, y, decltype(y)(nullptr), steps);
+}
+rlslab_status rlslab_update_weighted(rlslab_filter* filter, double const* psi, double y, double weight,
+                                     rlslab_step* step) {
+    return update(filter, psi, y, step, weight);
+}
+rlslab_status rlslab_update_weighted_f32(rlslab_filter* filter, float const* psi, float y, float weight,
+                                         rlslab_step* step) {
+    return update(filter, psi, y, step, weight);
+}
+rlslab_status rlslab_update_many_weighted(rlslab_filter* filter, double const* psi, std::size_t rows,
+                                          std::size_t stride, double const* y, double const* weights,
+                                          rlslab_step* steps) {
+    return update_many(filter, psi, rows, stride, y, weights, steps);
+}
+rlslab_status rlslab_update_many_weighted_f32(rlslab_filter* filter, float const* psi, std::size_t rows,
+                                              std::size_t stride, float const* y, float const* weights,
+                                              rlslab_step* steps) {
+    return update_many(filter, psi, rows, stride, y, weights, steps);
 }
 rlslab_status rlslab_pass_time(rlslab_filter* filter, rlslab_step* step) {
     if (!filter) return null_among({{"filter", filter}});
     return guarded([&] { report(step, [&] { return of(filter).pass_time(); }); });
+}
+rlslab_status rlslab_remove(rlslab_filter* filter, double const* psi, double y, double weight, double* out) {
+    if (!filter || !psi) return null_among({{"filter", filter}, {"psi", psi}});
+    return guarded(
+        [&] {
+            native::Removal const removal = of(filter).remove(psi, y, weight);
+            if (out) out[0] = removal.remaining, out[1] = removal.noise;
+        },
+        RLSLAB_ABILITY);
+}
+rlslab_status rlslab_merge(rlslab_filter* filter, rlslab_filter const* newer) {
+    if (!filter || !newer) return null_among({{"filter", filter}, {"newer", newer}});
+    return guarded([&] { of(filter).merge(of(newer)); },
+                   of(filter).variant() == "qr_block" ? RLSLAB_INVALID : RLSLAB_ABILITY);
 }
 
 rlslab_status rlslab_theta(rlslab_filter const* filter, double* out) {
@@ -124,6 +163,37 @@ rlslab_status rlslab_certificate(rlslab_filter const* filter, double* out) {
         [&] {
             native::Certificate const found = of(filter).certificate();
             out[0] = found.estimate, out[1] = found.bound, out[2] = found.theta;
+        },
+        RLSLAB_ABILITY);
+}
+rlslab_status rlslab_variance(rlslab_filter const* filter, double const* psi, std::size_t rows, std::size_t stride,
+                              double* out) {
+    if (!filter) return null_among({{"filter", filter}});
+    if (rows == 0) return RLSLAB_OK;
+    if (!psi || !out) return null_among({{"psi", psi}, {"out", out}});
+    if (rlslab_status const status = fit(filter, rows, stride, sizeof(double))) return status;
+    return guarded([&] { of(filter).variance(psi, native::Index(rows), native::Index(stride), out); }, RLSLAB_ABILITY);
+}
+rlslab_status rlslab_factor(rlslab_filter const* filter, double* out) {
+    return numbers<&native::Filter::factor>(filter, out, RLSLAB_ABILITY);
+}
+rlslab_status rlslab_sample(rlslab_filter const* filter, std::uint64_t seed, std::size_t n, double scale, double* out) {
+    if (!filter) return null_among({{"filter", filter}});
+    if (!(0 <= scale && scale <= std::numeric_limits<double>::max()))
+        return failed(RLSLAB_INVALID, "a scale that is not finite, or below 0");
+    if (n == 0) return RLSLAB_OK;
+    if (!out) return null_among({{"out", out}});
+    std::size_t stride = 0;
+    if (rlslab_status const status = fit(filter, n, stride, sizeof(double))) return status;
+    return guarded([&] { of(filter).sample(seed, native::Index(n), scale, out); },
+                   of(filter).stores_a_root() ? RLSLAB_INVALID : RLSLAB_ABILITY);
+}
+rlslab_status rlslab_least_excited(rlslab_filter const* filter, double* direction, double* out) {
+    if (!filter || !direction || !out) return null_among({{"filter", filter}, {"direction", direction}, {"out", out}});
+    return guarded(
+        [&] {
+            native::Excitation const found = of(filter).least_excited(direction);
+            out[0] = found.deviation, out[1] = found.ratio;
         },
         RLSLAB_ABILITY);
 }

@@ -26,7 +26,7 @@ typedef enum rlslab_status {
     RLSLAB_INVALID = 3,  // a number that is refused, or a composition that this variant cannot carry
     RLSLAB_STATE = 4,    // the bytes are no state of such a filter
     RLSLAB_ROOM = 5,     // the room for the state is too small
-    RLSLAB_ABILITY = 6,  // the other of covariance and information is reported; the filter has no probes
+    RLSLAB_ABILITY = 6,  // what this variant, or a filter composed so, does not do or report
     RLSLAB_MEMORY = 7,
     RLSLAB_INTERNAL = 8  // an error of the library's own; please report it
 } rlslab_status;
@@ -104,12 +104,51 @@ rlslab_status rlslab_update_many_f32(rlslab_filter* filter, float const* psi, si
                                      float const* y, rlslab_step* steps);
 // Time without a row. step: or null.
 rlslab_status rlslab_pass_time(rlslab_filter* filter, rlslab_step* step);
+// Rows of weights w, 1/v where the noise has v times the variance of the others: sum_i lambda^(k-i) w_i (y_i -
+// psi_i'theta)^2. Any filter takes them; its state has the bytes of one that took sqrt(w) psi and sqrt(w) y. w = 1: the
+// bits of rlslab_update. w = 0, a missing output: time passes, whatever psi and y are. w < 0, infinite or NaN: nothing
+// changes, health is nonfinite. weights: as many as rows, or null: all 1. w is rounded once.
+rlslab_status rlslab_update_weighted(rlslab_filter* filter, double const* psi, double y, double weight,
+                                     rlslab_step* step);
+rlslab_status rlslab_update_weighted_f32(rlslab_filter* filter, float const* psi, float y, float weight,
+                                         rlslab_step* step);
+rlslab_status rlslab_update_many_weighted(rlslab_filter* filter, double const* psi, size_t rows, size_t stride,
+                                          double const* y, double const* weights, rlslab_step* steps);
+rlslab_status rlslab_update_many_weighted_f32(rlslab_filter* filter, float const* psi, size_t rows, size_t stride,
+                                              float const* y, float const* weights, rlslab_step* steps);
+
+// Takes back a row that the filter holds: weight lambda^n for a row n steps old, times its own. out: 2 numbers or null.
+//   out[0]  alpha^2 = 1 - w psi'P psi, of the P before: what remains along psi. <= 0 or NaN: refused, nothing has
+//           changed: nothing would remain, w < 0, or a number is not finite
+//   out[1]  the error that the removal made, in units of u / alpha^2
+// ABILITY: kalman, extended_qr, qr_block, and what has a guard, a window or a control.
+rlslab_status rlslab_remove(rlslab_filter* filter, double const* psi, double y, double weight, double* out);
+// Appends the rows of `newer`, made with prior_variance 0. ABILITY but of qr_block; INVALID: another arithmetic, size
+// or forgetting.
+rlslab_status rlslab_merge(rlslab_filter* filter, rlslab_filter const* newer);
 
 rlslab_status rlslab_theta(rlslab_filter const* filter, double* out);  // d numbers
-rlslab_status rlslab_gain(rlslab_filter const* filter, double* out);   // d numbers, of the last row
+// d numbers, of the last row; after a load, of the row as it came to the filter: 1/sqrt(w) of it where it had a weight.
+rlslab_status rlslab_gain(rlslab_filter const* filter, double* out);
 // P, or P^-1: a variant reports one of the two; of the other ABILITY.
 rlslab_status rlslab_covariance(rlslab_filter const* filter, double* out);
 rlslab_status rlslab_information(rlslab_filter const* filter, double* out);
+// psi'P psi of each row, a number a row: the variance of psi'theta in units of the noise's. psi, rows and stride as of
+// rlslab_update_many. NaN: the rows so far do not determine theta. ABILITY: kalman, extended_qr, qr_block.
+rlslab_status rlslab_variance(rlslab_filter const* filter, double const* psi, size_t rows, size_t stride, double* out);
+// F, d x d by columns, F F' = P or P^-1: of the variants that store a root (of qr and qr_block F = R'); else ABILITY.
+rlslab_status rlslab_factor(rlslab_filter const* filter, double* out);
+// n draws of theta + scale S z, S S' = P: n rows of d numbers. scale: the noise's standard deviation. z is nearly
+// normal, at most 6 in size, the same of every language and machine; draw k of a seed does not depend on n. NaN: the
+// rows do not determine theta, or P is not definite. ABILITY: P or P^-1 is stored itself, and no root. INVALID: a scale
+// < 0, infinite or NaN; more draws than memory has.
+rlslab_status rlslab_sample(rlslab_filter const* filter, uint64_t seed, size_t n, double scale, double* out);
+// Is it excited now? Where the rows in the filter's memory say least. direction: d numbers of length 1. out: 2 numbers.
+//   out[0]  the standard deviation of direction'theta, in units of the noise's
+//   out[1]  the variance there over the average of all directions, each parameter in units of its own deviation: from
+//           1, uncorrelated, to d, all along one; not above the largest there is, by two power steps
+// NaN and ABILITY as of rlslab_sample.
+rlslab_status rlslab_least_excited(rlslab_filter const* filter, double* direction, double* out);
 int32_t rlslab_health(rlslab_filter const* filter);  // of the last row; after a load 0, or 1 if theta is NaN; -1: null
 int32_t rlslab_signal(rlslab_filter const* filter);  // of the last row; -1 of null
 

@@ -1,4 +1,5 @@
 // rlslab._core.Filter: one native filter as a Python object.
+#include "bindings/python/asked.hpp"
 #include "bindings/python/make.hpp"
 
 #include <array>
@@ -99,46 +100,68 @@ bool copy_items(PyObject* items, Py_ssize_t n, double* to) {
     return true;
 }
 
-PyObject* updated(PyObject* self, double const* psi, double y) {
-    return with<Filter>(self, [&](Filter& f) { return as_tuple(f.update(psi, y)); });
+/// weight: null where there is none.
+template <class X>
+PyObject* updated(PyObject* self, X const* psi, X y, double const* weight) {
+    return with<Filter>(self,
+                        [&](Filter& f) { return as_tuple(weight ? f.update(psi, y, X(*weight)) : f.update(psi, y)); });
 }
 /// The row in an array: in place where its numbers stand one after another.
-PyObject* update_from(PyObject* self, View const& view, Py_ssize_t d, double y) {
+PyObject* update_from(PyObject* self, View const& view, Py_ssize_t d, double y, double const* weight) {
     Py_buffer const& b = view.buffer;
     if (view.is_vector(d)) {
-        if (view.kind() == 'd') return updated(self, view.data<double const>(), y);
+        if (view.kind() == 'd') return updated(self, view.data<double const>(), y, weight);
         // In a filter of binary32 y is rounded as it would be anyway; one of binary64 keeps all of it.
         if (Held::of(self)->native->arithmetic() == "float")
-            return with<Filter>(self,
-                                [&](Filter& f) { return as_tuple(f.update(view.data<float const>(), float(y))); });
+            return updated(self, view.data<float const>(), float(y), weight);
     }
     Row row;
     double* const numbers = row.of(d);
     if (view.kind() == 'd') copy<double>(view.data<char const>(), b.strides[0], d, numbers);
     else copy<float>(view.data<char const>(), b.strides[0], d, numbers);
-    return updated(self, numbers, y);
+    return updated(self, numbers, y, weight);
+}
+/// A number of a row; false with Python's error set. `of` says of y what is wrong.
+bool number_of(PyObject* from, double& to) {
+    if (copy_number(from, to)) return true;
+    PyObject* const number = PyObject_CallFunctionObjArgs(output_of, from, nullptr);
+    if (!number) return false;
+    to = PyFloat_AsDouble(number);
+    Py_DECREF(number);
+    return true;
 }
 
-PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n) try {
-    if (!takes("update(psi, y)", 2, n)) return nullptr;
-    Py_ssize_t const d = Held::of(self)->native->size();
-    double y;
-    if (!copy_number(args[1], y)) {
-        PyObject* const number = PyObject_CallFunctionObjArgs(output_of, args[1], nullptr);
-        if (!number) return nullptr;
-        y = PyFloat_AsDouble(number);
-        Py_DECREF(number);
+/// (psi, y), or (psi, y, weight), the last by its name, too.
+PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n, PyObject* names) try {
+    Py_ssize_t const named = names ? PyTuple_Size(names) : 0;
+    PyObject* const given_weight = n + named == 3 ? args[2] : Py_None;
+    if (n + named != 2 && n + named != 3) {
+        takes("update(psi, y)", 2, n + named);
+        return nullptr;
     }
+    if (named > 0 && (named > 1 || n != 2 || PyUnicode_CompareWithASCIIString(PyTuple_GetItem(names, 0), "weight"))) {
+        PyErr_SetString(PyExc_TypeError, "update takes psi and y by their places, and weight");
+        return nullptr;
+    }
+    Py_ssize_t const d = Held::of(self)->native->size();
+    double y, w = 1;
+    if (!number_of(args[1], y)) return nullptr;
+    if (given_weight != Py_None && !copy_number(given_weight, w)) {
+        PyErr_SetString(PyExc_TypeError, "weight is no real number");
+        return nullptr;
+    }
+    double const* const weight = given_weight != Py_None ? &w : nullptr;
     PyObject* const psi = args[0];
     if ((PyList_CheckExact(psi) && PyList_Size(psi) == d) || (PyTuple_CheckExact(psi) && PyTuple_Size(psi) == d)) {
         Row row;
         double* const numbers = row.of(d);
-        if (copy_items(psi, d, numbers)) return updated(self, numbers, y);
+        if (copy_items(psi, d, numbers)) return updated(self, numbers, y, weight);
     }
     if (reinterpret_cast<PyObject*>(Py_TYPE(psi)) == ndarray) {
         View view;
         if (view.of(psi)) {
-            if (view.kind() && view.buffer.ndim == 1 && view.buffer.shape[0] == d) return update_from(self, view, d, y);
+            if (view.kind() && view.buffer.ndim == 1 && view.buffer.shape[0] == d)
+                return update_from(self, view, d, y, weight);
         } else {
             PyErr_Clear();  // dates and records have no buffer: row_of says what is wrong
         }
@@ -149,7 +172,8 @@ PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n) try {
     {
         View view;
         if (view.of(row)) {
-            if (view.kind() && view.buffer.ndim == 1 && view.buffer.shape[0] == d) out = update_from(self, view, d, y);
+            if (view.kind() && view.buffer.ndim == 1 && view.buffer.shape[0] == d)
+                out = update_from(self, view, d, y, weight);
             else PyErr_SetString(PyExc_ValueError, "psi is not a row of numbers");
         }
     }
@@ -159,11 +183,11 @@ PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n) try {
     return raise(std::current_exception());
 }
 
-/// (Psi, y, steps or None): arrays as rlslab._rows.block leaves them. Numbers of one type.
+/// (Psi, y, steps or None, weights or None): arrays as rlslab._rows.block leaves them. Numbers of one type.
 PyObject* update_many(PyObject* self, PyObject* const* args, Py_ssize_t n) {
-    if (!takes("_update_many(Psi, y, steps)", 3, n)) return nullptr;
+    if (!takes("_update_many(Psi, y, steps, weights)", 4, n)) return nullptr;
     struct Views {
-        View psi, y, steps;
+        View psi, y, steps, weights;
     };
     // Not an object of this scope: where the interpreter ends while the filter runs, it must not be released.
     Views* const views = new (std::nothrow) Views;
@@ -171,24 +195,29 @@ PyObject* update_many(PyObject* self, PyObject* const* args, Py_ssize_t n) {
     Py_buffer const &P = views->psi.buffer, &Y = views->y.buffer;
     Py_ssize_t const d = Held::of(self)->native->size();
     bool ok = views->psi.of(args[0]) && views->y.of(args[1]) &&
-              (args[2] == Py_None || views->steps.of(args[2], PyBUF_WRITABLE | PyBUF_C_CONTIGUOUS));
+              (args[2] == Py_None || views->steps.of(args[2], PyBUF_WRITABLE | PyBUF_C_CONTIGUOUS)) &&
+              (args[3] == Py_None || views->weights.of(args[3]));
     Step last{};
     Py_ssize_t rows = 0;
     if (ok) {
         char const kind = views->psi.kind();
-        bool const fits = views->psi.is_rows(d) && kind == views->y.kind() && views->y.is_vector(P.shape[0]) &&
-                          (!views->steps.buffer.obj || views->steps.buffer.len == P.shape[0] * Py_ssize_t(sizeof last));
-        if (!fits) PyErr_SetString(PyExc_ValueError, "Psi, y and steps do not fit together");
+        bool const fits =
+            views->psi.is_rows(d) && kind == views->y.kind() && views->y.is_vector(P.shape[0]) &&
+            (!views->steps.buffer.obj || views->steps.buffer.len == P.shape[0] * Py_ssize_t(sizeof last)) &&
+            (!views->weights.buffer.obj || (views->weights.kind() == kind && views->weights.is_vector(P.shape[0])));
+        if (!fits) PyErr_SetString(PyExc_ValueError, "Psi, y, steps and weights do not fit together");
         ok = fits && native_of<Filter>(self);
         rows = ok ? P.shape[0] : 0;
         Py_ssize_t const stride = ok ? views->psi.row_stride() : d;
         Step* const steps = static_cast<Step*>(views->steps.buffer.buf);
+        auto const process = [&]<class X>(Filter& f, X const* psi) {
+            last = f.update_many(psi, rows, stride, static_cast<X const*>(Y.buf),
+                                 static_cast<X const*>(views->weights.buffer.buf), steps);
+        };
         if (rows > 0)
             ok = without_lock<Filter>(self, [&](Filter& f) {
-                last = kind == 'd' ? f.update_many(static_cast<double const*>(P.buf), rows, stride,
-                                                   static_cast<double const*>(Y.buf), steps)
-                                   : f.update_many(static_cast<float const*>(P.buf), rows, stride,
-                                                   static_cast<float const*>(Y.buf), steps);
+                if (kind == 'd') process(f, static_cast<double const*>(P.buf));
+                else process(f, static_cast<float const*>(P.buf));
             });
     }
     delete views;
@@ -239,7 +268,7 @@ PyObject* counts_of(PyObject* self, void*) {
     });
 }
 
-constexpr char update_text[] = R"doc(update($self, psi, y, /)
+constexpr char update_text[] = R"doc(update($self, psi, y, /, weight=None)
 --
 
 Process one row: the regressor psi and the output y.
@@ -249,6 +278,11 @@ Parameters
 psi : array_like, shape (d,)
     In place where it is an array of float64 or float32. A filter of float32 rounds each number once.
 y : float
+weight : float, optional
+    w, 1/v where the row's noise has v times the variance of the others: theta minimises sum lambda^(k-i) w_i (y_i -
+    psi_i'theta)^2 and the prior's part. Any filter takes weights, and its `state` is that of one that took sqrt(w) psi
+    and sqrt(w) y. 1: the bits of a row without one. 0, a missing output: time passes, whatever psi and y are, as by
+    `pass_time`. Below 0, infinite or NaN: nothing changes, health is "nonfinite". Rounded once to the filter's dtype.
 
 Returns
 -------
@@ -306,10 +340,16 @@ Examples
 array([0.])
 )doc";
 
-PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL, update_text},
+PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL | METH_KEYWORDS, update_text},
                          {"_update_many", as_method(update_many), METH_FASTCALL, nullptr},
                          {"pass_time", pass_time, METH_NOARGS, pass_time_text},
                          {"reset", reset<Filter>, METH_NOARGS, reset_text},
+                         {"_remove", asked::remove, METH_VARARGS, nullptr},
+                         {"_merge", asked::merge, METH_O, nullptr},
+                         {"_variance", as_method(asked::variance), METH_FASTCALL, nullptr},
+                         {"_sample", asked::sample, METH_VARARGS, nullptr},
+                         {"_least_excited", asked::least_excited, METH_O, nullptr},
+                         {"_factor", read_into<&Filter::factor, true>, METH_O, nullptr},
                          {"_theta", read_into<&Filter::theta, false>, METH_O, nullptr},
                          {"_gain", read_into<&Filter::gain, false>, METH_O, nullptr},
                          {"_covariance", read_into<&Filter::covariance, true>, METH_O, nullptr},
@@ -357,7 +397,9 @@ PyObject* filter_type() {
         health_words[i] = PyUnicode_InternFromString(std::string(native::name_of_health(i)).c_str());
     for (int i = 0; i < signals; ++i)
         signal_words[i] = PyUnicode_InternFromString(std::string(native::name_of_signal(i)).c_str());
-    return PyType_FromSpec(&spec);
+    PyObject* const out = PyType_FromSpec(&spec);
+    filter_itself = reinterpret_cast<PyTypeObject*>(out);
+    return out;
 }
 PyObject* step_type() {
     static PyStructSequence_Field fields[] = {{"innovation", "y - psi'theta(k-1), in the unit of y"},

@@ -21,7 +21,11 @@ innovation: float = step.innovation
 health: str = step.health
 table = f.update_many(np.zeros((3, 4)), np.zeros(3), steps=True)
 gamma = table["gamma"]
-last = f.update_many(np.zeros((3, 4)), np.zeros(3))
+last = f.update_many(np.zeros((3, 4)), np.zeros(3), weights=[1, 0, 2])
+gone: bool = f.remove([1.0, 2.0, 0.5, 3.0], 0.7, weight=f.update(np.ones(4), 1.0, 0.5).gamma).refused
+likely_thetas = f.sample(1, 10, scale=0.1) @ f.least_excited().direction + f.variance(np.eye(4)) + f.factor.sum()
+unexcited: str = f.least_excited().sentence
+f.merge(f)
 norm = float(np.linalg.norm(f.theta)) + f.counts.rows
 g: rlslab.Ud = f.copy()
 h: rlslab.Filter = rlslab.filter("qr", 3, dtype="float32")

@@ -32,11 +32,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from . import _options, _variants
+from ._asked import Certificate, LeastExcited, Removal
 from ._certified import Certified, certified
 from ._complex import Complex, ComplexSteps
 from ._compare import Comparison, compare
 from ._core import Counts, Step, controls, guards, use_threads, variants
-from ._filter import HEALTHS, SIGNALS, STEP, Certificate, Filter
+from ._filter import HEALTHS, SIGNALS, STEP, Filter
 from ._identify import Excitation, Identification, excitation, identify
 from ._stateful import Path
 from ._studies import Study, Sweep, cite, study, sweep
@@ -133,8 +134,8 @@ if not TYPE_CHECKING:    # to which any name would be one
 
 __all__ = [
     "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certificate", "Certified", "Comparison", "Complex", "ComplexSteps",
-    "Counts", "Excitation", "Filter", "Fleet", "Identification", "Outputs", "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare",
-    "controls", "excitation", "filter", "from_state", "guards", "identify", "load", "study", "sweep", "use_threads",
-    "variants",
+    "Counts", "Excitation", "Filter", "Fleet", "Identification", "LeastExcited", "Outputs", "Removal", "Step",
+    "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls", "excitation", "filter", "from_state",
+    "guards", "identify", "load", "study", "sweep", "use_threads", "variants",
     *_variants.__all__,
 ]  # fmt: skip

@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _core, _options, _rows
+from ._asked import Asked, Certificate, LeastExcited, Removal  # noqa: F401
 from ._core import Counts, Step
 from ._stateful import Stateful
 from ._stateful import remade as _remade  # noqa: F401  where older pickles look for it
 
 if TYPE_CHECKING:
     from .outputs import Outputs
-
-
-class Certificate(NamedTuple):
-    """What the probes of a filter show: see `Filter.certificate`."""
-
-    estimate: float
-    bound: float
-    theta: float
-    definite: bool
 
 
 Self = TypeVar("Self", bound="Filter")
@@ -40,7 +32,7 @@ STEP = np.dtype(
 _core.use(np.ndarray, _rows.SCALARS, _rows.row, _rows.output)
 
 
-class Filter(Stateful, _core.Filter):
+class Filter(Stateful, Asked):
     """Recursive least squares of one output: what the classes of all variants share.
 
     After k rows theta minimises
@@ -207,10 +199,16 @@ class Filter(Stateful, _core.Filter):
         return self
 
     @overload
-    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False) -> Step | None: ...
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[False] = False
+    ) -> Step | None: ...
     @overload
-    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True]) -> NDArray[np.void]: ...
-    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: bool = False) -> Step | NDArray[np.void] | None:
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[True]
+    ) -> NDArray[np.void]: ...
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: bool = False
+    ) -> Step | NDArray[np.void] | None:
         """Process many rows, the oldest first, as `update` would one after another.
 
         Parameters
@@ -219,6 +217,8 @@ class Filter(Stateful, _core.Filter):
             In place where each row is contiguous, as in an array of order C or some of its rows; a copy is made of
             other layouts.
         y : array_like, shape (n,)
+        weights : array_like, shape (n,), optional
+            One for each row, as of `update`; all 1 where left out. 0: a missing output.
         steps : bool
             Whether to return the step of each row.
 
@@ -249,16 +249,14 @@ class Filter(Stateful, _core.Filter):
         True
         """
         P, v = _rows.block(Psi, y, self.size)
+        w = None
+        if weights is not None:
+            P, v, w = _rows.weighted(P, v, weights)
         if not steps:
-            return self._update_many(P, v, None)
+            return self._update_many(P, v, None, w)
         out = np.empty(len(v), STEP)
-        self._update_many(P, v, out)
+        self._update_many(P, v, out, w)
         return out
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """The arithmetic: float64 or float32."""
-        return np.dtype(np.float32 if self._arithmetic == "float" else np.float64)
 
     @property
     def theta(self) -> NDArray[np.floating[Any]]:
@@ -269,7 +267,11 @@ class Filter(Stateful, _core.Filter):
 
     @property
     def gain(self) -> NDArray[np.floating[Any]]:
-        """The gain K of the last row, shape (d,), a copy: theta(k) = theta(k-1) + K innovation."""
+        """The gain K of the last row, shape (d,), a copy: theta(k) = theta(k-1) + K innovation.
+
+        Of a row of weight w a state keeps K / sqrt(w), the gain of the row as the filter took it: so it is after
+        `load`.
+        """
         out = np.empty(self.size)
         self._gain(out)
         return out.astype(self.dtype, copy=False)
@@ -295,43 +297,6 @@ class Filter(Stateful, _core.Filter):
     def information(self) -> NDArray[np.floating[Any]]:
         """P^-1, shape (d, d), a copy. AttributeError for a variant that holds P: `covariance` then."""
         return self._matrix(False)
-
-    def certificate(self) -> Certificate:
-        """What the probes of ``certify=s`` show of the error of P and theta now; the filter stays as it is.
-
-        With P that of exact arithmetic after the same rows, Phat the filter's, E = Phat P^-1 - I in the unit of each
-        parameter, x_i the probes and m_i = P^-1 x_i::
-
-            m_i = forgetting m_i + psi (psi'x_i) at each row       r_i = Phat m_i - x_i = E x_i
-            estimate^2 = sum |r_i|^2 / s                           bound = 10 (max |r_i| + u sqrt(d))
-
-        Returns
-        -------
-        Certificate
-            ``estimate`` of ||E||_F, within a factor of 2 in 85 % where 3 probes meet an E of rank one; ``bound``, above
-            ||E||_F except with probability 0.08^s; ``theta``, above |thetahat - theta| / |thetahat| wherever ``bound``
-            is above ||E||_F; ``definite``, bound < 1, which proves a symmetric Phat positive definite. Infinite where
-            nothing is known: without a prior before the rows determine theta, and from a rule on that adds to P.
-
-        Raises
-        ------
-        ValueError
-            If the filter was made without `certify`.
-
-        Notes
-        -----
-        The probes' own rounding, of about 1e-16 times the condition number of P, is part of what they show. A row costs
-        2 d (s + 1) multiplications more, and `certificate` s + 1 products with P; in float64 a few more.
-
-        Examples
-        --------
-        >>> f = rlslab.Ud(2, dtype="float32", certify=3)
-        >>> _ = f.update_many([[1, 0], [1, 1], [1, 2]], [3, 5, 7])
-        >>> found = f.certificate()
-        >>> found.definite, found.estimate < found.bound < 1e-4
-        (True, True)
-        """
-        return Certificate(*self._certificate())
 
     @property
     def options(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator  # type: ignore[import]
 
 from . import _rows
+from ._variants import QrBlock
 from .outputs import Outputs
 
 
@@ -51,6 +52,13 @@ def validated(estimator: Any, *given: Any, finite: bool = True, labels: bool = F
 
 class EstimatorsOutputs(Outputs):
     """Of rows less the estimator's own first one: they do not merge with those of another."""
+
+    __slots__ = ()
+    _merges = False
+
+
+class EstimatorsQrBlock(QrBlock):
+    """Likewise, of one output."""
 
     __slots__ = ()
     _merges = False

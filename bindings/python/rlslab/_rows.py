@@ -104,6 +104,16 @@ def block(Psi: ArrayLike, y: ArrayLike, size: int) -> tuple[Numbers, Numbers]:
     return P if in_place(P) else contiguous(P), contiguous(v)
 
 
+def weighted(P: Numbers, v: Numbers, weights: ArrayLike) -> tuple[Numbers, Numbers, Numbers]:
+    """Rows and outputs of `block` and their weights, all of one type."""
+    w = numbers(weights, "weights")
+    if w.shape != v.shape:
+        raise ValueError(f"weights has shape {w.shape}, expected {v.shape}: one for each row")
+    if w.dtype != P.dtype:
+        P, v, w = (array.astype(np.float64, copy=False) for array in (P, v, w))
+    return P, v, contiguous(w)
+
+
 def tables(X: ArrayLike, Y: ArrayLike, size: int, outputs: int) -> tuple[Numbers, Numbers]:
     """Rows of regressors and of outputs, likewise."""
     P, V = numbers(X, "X"), numbers(Y, "Y")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -12,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, column_or_1d  # type: igno
 
 from . import HEALTHS, SIGNALS, Filter, Outputs, _options, filter
 from ._classifier import RLSClassifier
-from ._linear import Linear, validated, with_advice
+from ._linear import EstimatorsQrBlock, Linear, validated, with_advice
 
 __all__ = ["RLSClassifier", "RLSRegressor"]
 
@@ -204,11 +205,13 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         return (1 + self.forgetting**memory) / (1 + self.forgetting)
 
     def _made(self, window: int) -> Filter:
-        return filter(
-            self.variant, self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
+        make: Any = EstimatorsQrBlock if self.variant == "qr_block" else functools.partial(filter, self.variant)
+        made: Filter = make(
+            self.n_features_in_ + bool(self.fit_intercept), forgetting=self.forgetting,
             prior_variance=self.prior_variance, dtype=self.dtype, window=window, guard=self.guard,
             guard_options=self.guard_options, control=self.control,
         )  # fmt: skip
+        return made
 
     def _start(self) -> None:
         if self.prior_variance == np.inf:

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <rlslab/catalogue/native/composition.hpp>
+#include <rlslab/catalogue/native/merging.hpp>
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/certified.hpp>
+#include <rlslab/adapt/determined.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/state/state.hpp>
@@ -26,6 +28,7 @@ struct Abilities {
     bool variances = false;    ///< has P_jj and psi'P psi at hand
     bool signals = false;      ///< is a guard
     Index block = 0;           ///< rows that it takes at once; 0: one by one
+    bool merges = false;       ///< appends the rows of another
 };
 
 template <class F>
@@ -42,13 +45,27 @@ constexpr Abilities abilities_by_type() {
                   .variances = reports_variances<F>};
     if constexpr (requires(F& f) { f.signal(); }) out.signals = true;
     if constexpr (TakesBlocks<F>) out.block = F::block;
+    out.merges = Merges<F>;
     return out;
 }
 
 /// What adapt/ does to a filter beside updates, and what it measures: the function of that name in
-/// <rlslab/adapt/time_update.hpp>, remove.hpp or diagnostics.hpp. rows: as rlslab::process. determined: whether
-/// the rows determine theta, of a variant that starts without a prior and is alone; true of others.
-enum class Verb { rows, set_forgetting, discount, inflate, reset, restart, cap_row, remove, pass_time, times, certify };
+/// <rlslab/adapt/time_update.hpp>, remove.hpp, diagnostics.hpp or determined.hpp. rows: as rlslab::process. merge: of a
+/// part that merging.hpp expects.
+enum class Verb {
+    rows,
+    set_forgetting,
+    discount,
+    inflate,
+    reset,
+    restart,
+    cap_row,
+    remove,
+    pass_time,
+    times,
+    certify,
+    merge
+};
 enum class Measure {
     variance,
     variance_along,
@@ -130,6 +147,7 @@ public:
     using View = Eigen::Map<Vector<T> const>;
     using Rows = Eigen::Map<Matrix<T> const, 0, Eigen::OuterStride<>>;
 
+    struct Interface;
     /// Of a verb or a measure, as it needs them.
     struct Arguments {
         T const *x = nullptr, *y = nullptr;
@@ -138,9 +156,10 @@ public:
         Index i = 0, j = 0;
         ProbesTimes<T>* times = nullptr;             ///< of times
         Certificate<ProbeWord<T>>* found = nullptr;  ///< of certify
+        Interface const* other = nullptr;            ///< of merge
     };
     struct Outcome {
-        Step<T> step{};        ///< of rows, cap_row and pass_time
+        Step<T> step{};        ///< of rows, cap_row and pass_time; of merge the health alone
         Removal<T> removal{};  ///< of remove
     };
     /// What a filter says of itself, and Assessed asks for.
@@ -208,7 +227,7 @@ public:
     Stored<T> stored() const { return filter_->stored(false); }
     Matrix<T> matrix() const { return filter_->stored(true).F; }  ///< P, or P^-1: as stored() has it
     bool matrix_is_covariance() const { return filter_->account().covariance; }
-    AnyForm<T> form() { return {*filter_}; }
+    AnyForm<T> form() const { return {*filter_}; }
     Abilities abilities() const { return filter_->account().abilities; }
     T const* root_lambda() { return filter_->account().root_lambda; }
     Index probe_count() const { return filter_->account().probes; }
@@ -218,7 +237,11 @@ public:
         filter_->act(Verb::certify, {.found = &out});
         return out;
     }
-    bool determined() { return filter_->measure(Measure::determined, {}) == T(1); }
+    bool determined() const { return filter_->measure(Measure::determined, {}) == T(1); }
+    /// Appends the rows of another of this type, as F does; throws std::invalid_argument for another, or where F does.
+    Health merge(AnyAdaptive const& newer) {
+        return filter_->act(Verb::merge, {.other = newer.filter_.get()}).step.health;
+    }
 
     Index rows() const { return filter_->account().window_rows; }
     Index refactored() const { return composition_counts().refactored; }
@@ -346,6 +369,13 @@ struct AnyAdaptive<T>::Around final : Interface {
         }
         if constexpr (Downdates<F>)
             if (verb == Verb::remove) return {.removal = remove(f, with.psi, *with.y, *with.x)};
+        if constexpr (Merges<F>)
+            if (verb == Verb::merge) {
+                auto const* const part = dynamic_cast<Around const*>(with.other);
+                expects(part != nullptr, "a part of the same type");
+                expect_newer_part(f, part->f);
+                return {.step = {T(0), T(0), RealOf<T>(1), part == this ? f.merge(F(f)) : f.merge(part->f)}};
+            }
         cannot();
     }
     T measure(Measure what, [[maybe_unused]] Arguments const& with) override {
@@ -362,13 +392,7 @@ struct AnyAdaptive<T>::Around final : Interface {
                 return T(symmetric_within(f, *with.x, with.i, with.j) ? 1 : 0);
             else return T(1);  // cannot lose it: a guard finds nothing, as where it does not look
         }
-        if (what == Measure::determined) {
-            if constexpr (requires { f.form().lengths, f.form().D; })
-                return T(f.form().lengths.determined(f.form().L, f.form().D) ? 1 : 0);
-            else if constexpr (requires { f.form().lengths; })
-                return T(f.form().lengths.determined(f.form().L) ? 1 : 0);
-            else return T(1);
-        }
+        if (what == Measure::determined) return T(detail::is_determined(f) ? 1 : 0);
         if constexpr (Certifiable<F>)
             if (what == Measure::forgetting) return detail::forgetting_of(f.form());
         cannot();

@@ -67,6 +67,16 @@ struct Counts {
     std::int64_t since = 0;       ///< rows since then, or since the start
 };
 
+/// What the removal of a row did, as rlslab::Removal: alpha^2 = 1 - w psi'P psi, of the P before, and the error of the
+/// removal in units of u / alpha^2.
+struct Removal {
+    double remaining, noise;
+    bool refused() const { return !(0 < remaining); }
+};
+struct Excitation {
+    double deviation, ratio;
+};
+
 /// One filter. Of several threads one at a time may use it, also to read. Where an argument is refused
 /// std::invalid_argument is thrown, in one line, and the filter is as it was.
 class Filter {
@@ -85,17 +95,54 @@ public:
     /// with the same bits; qr_block, which takes blocks, reports NaN and its health then. Returns the last row's step.
     Step update_many(double const* psi, Index rows, Index stride, double const* y, Step* steps);
     Step update_many(float const* psi, Index rows, Index stride, float const* y, Step* steps);
+    /// Rows with weights: sum_i lambda^(k-i) w_i (y_i - psi_i'theta)^2 is minimised, w = 1/v where a row's noise has v
+    /// times the variance of the others (Weighted of <rlslab/adapt/weighted.hpp>, around the filter as it is). The
+    /// filter takes the row (sqrt(w) psi, sqrt(w) y), and its state is that of the filter inside; the step and the gain
+    /// are in y's unit. w = 1: the bits of a row without one. w = 0, a missing output: as pass_time, whatever psi and
+    /// y are, but innovation and residual are NaN. w < 0, infinite or NaN: nothing changes, health is nonfinite, signal
+    /// none. w is rounded once.
+    Step update(double const* psi, double y, double weight);
+    Step update(float const* psi, float y, float weight);
+    /// As update_many, with as many weights as rows; null: all 1.
+    Step update_many(double const* psi, Index rows, Index stride, double const* y, double const* weights, Step* steps);
+    Step update_many(float const* psi, Index rows, Index stride, float const* y, float const* weights, Step* steps);
     /// Time without a row: P / lambda.
     Step pass_time();
+    /// Takes a row of weight w back that the filter holds (rlslab::remove): w = lambda^n for a row n steps old, times
+    /// its own weight. The last row's step stays, and a gain that is stored. w = 0 changes nothing. Refused, and no bit of the state
+    /// has changed: where nothing would remain, w < 0, or a number is not finite. Throws where downdates() is false.
+    Removal remove(double const* psi, double y, double weight = 1);
+    bool downdates() const;  ///< a plain variant, or one with probes, but kalman, extended_qr and qr_block
+    /// Appends the rows of `newer`, made without a prior: as if this one had taken them, but for rounding. The step's
+    /// health is of all. Throws unless both are qr_block of one arithmetic, size and forgetting.
+    void merge(Filter const& newer);
 
     void theta(double* out) const;  ///< d numbers
-    void gain(double* out) const;   ///< d numbers, of the last row
+    /// d numbers, of the last row: theta(k) = theta(k-1) + gain innovation. After a load, of the row as the filter took
+    /// it: 1/sqrt(w) of it where that had a weight.
+    void gain(double* out) const;
     /// Whether covariance() is reported; else information() is.
     bool reports_covariance() const;
     /// P, or P^-1: d x d, by columns. By rows it is the same, except that a P in full storage (conventional) may have
     /// lost its symmetry.
     void covariance(double* out) const;
     void information(double* out) const;
+    /// psi'P psi of each row, in the numbers of the form, P not formed: the variance of psi'theta in units of the
+    /// noise's. Psi as of update_many; out: a number a row. NaN while the rows do not determine theta. Throws of kalman
+    /// alone, extended_qr and qr_block.
+    void variance(double const* Psi, Index rows, Index stride, double* out) const;
+    /// F, d x d, by columns, F F' = P or P^-1, whichever is reported: of the variants that store a root (of qr and
+    /// qr_block F = R').
+    void factor(double* out) const;
+    /// n draws of theta + scale S z, S S' = P, n x d by rows (rlslab::sample): the same of every language and machine,
+    /// draw k whatever n is. NaN where the rows do not determine theta or P is not definite. Throws where P or P^-1 is
+    /// stored itself, and no factor, for n < 0, and for a scale < 0, infinite or NaN.
+    void sample(std::uint64_t seed, Index n, double scale, double* out) const;
+    bool stores_a_root() const;  ///< of P or P^-1; `ud` and `gentleman` of a D too, which has roots
+    /// Where the filter's rows say least (rlslab::least_excited): the direction, d numbers, its standard deviation in
+    /// units of the noise's, and the ratio of its variance to the average, from 1 to d, in units of each parameter's
+    /// deviation. NaN and throws as sample.
+    Excitation least_excited(double* direction) const;
 
     /// The state, as rlslab::save writes it of the C++ type. `to`: state_size() bytes, or more.
     std::size_t state_size() const;

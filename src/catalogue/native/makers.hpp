@@ -5,6 +5,7 @@
 #include <rlslab/catalogue/native/filter.hpp>
 #include <rlslab/catalogue/native/outputs.hpp>
 #include <rlslab/core/problem.hpp>
+#include <rlslab/core/stored.hpp>
 #include <rlslab/state/state_format.hpp>
 
 #include <functional>
@@ -18,6 +19,15 @@ class AnyAdaptive;
 namespace rlslab::native {
 
 [[noreturn]] inline void refuse(std::string const& why) { throw std::invalid_argument(why); }
+
+/// F of the stored numbers, F F' = P or P^-1. Throws std::invalid_argument, in one line, where no square root is
+/// stored.
+template <class T>
+Matrix<T> const& root_in(Stored<T> const& stored, std::string_view variant) {
+    if (stored.form != Stored<T>::Form::factor || stored.D.size() > 0)
+        refuse(std::string(variant) + " stores no square root of its matrix");
+    return stored.F;
+}
 
 /// Why bytes are no state for a filter, and of what they are one.
 std::string refusal_of(StateFault fault, std::span<std::byte const> from);

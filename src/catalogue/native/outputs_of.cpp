@@ -1,11 +1,10 @@
 // Outputs of the variants in one arithmetic, RLSLAB_NATIVE: float or double.
 #include <rlslab/catalogue/native/makers.hpp>
+#include <rlslab/catalogue/native/merging.hpp>
 
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
-
-#include <charconv>
 
 namespace rlslab::native {
 namespace {
@@ -13,10 +12,6 @@ namespace {
 std::string described(Outputs const& f) {
     return std::string(f.variant()) + " in " + std::string(f.arithmetic()) + " with " + std::to_string(f.size()) +
            " parameters and " + std::to_string(f.outputs()) + " outputs";
-}
-std::string shortest(auto number) {
-    char text[32];
-    return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
 /// F is a variant.
@@ -135,11 +130,7 @@ public:
             auto const* const part = dynamic_cast<OutputsIn const*>(&newer);
             if (!part || part->size() != size() || part->outputs() != outputs())
                 refuse("expected a part of " + described(*this) + ", found " + described(newer));
-            auto const mine = F::state(filters_.filter()), other = F::state(part->filters_.filter());  // as loaded
-            if (std::get<bool const&>(other))
-                refuse("expected a newer part without a prior: only the older one's counts, and once");
-            if (auto const& lambda = std::get<0>(mine); std::get<0>(other) != lambda)
-                refuse("expected a part of forgetting " + shortest(lambda) + ", found " + shortest(std::get<0>(other)));
+            expect_newer_part(filters_.filter(), part->filters_.filter());
             health_ = part == this ? filters_.merge(Filters(filters_)) : filters_.merge(part->filters_);
             left_out_ += part->left_out_;
         } else {
@@ -158,10 +149,8 @@ public:
         else to = filters_.filter().information().template cast<double>();
     }
     void factor(double* out) const override {
-        auto const stored = filters_.filter().stored();
-        if (stored.form != Stored<T>::Form::factor || stored.D.size() > 0)
-            refuse(std::string(variant()) + " stores no square root of its matrix");
-        Eigen::Map<Matrix<double>>(out, size(), size()) = stored.F.template cast<double>();
+        Eigen::Map<Matrix<double>>(out, size(), size()) =
+            root_in(filters_.filter().stored(), variant()).template cast<double>();
     }
     std::int32_t health() const override { return std::int32_t(health_); }
     std::int64_t left_out() const override { return left_out_; }

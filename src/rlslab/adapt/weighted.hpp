@@ -8,6 +8,50 @@
 
 namespace rlslab {
 
+namespace detail {
+/// Of a row whose weight is none: nothing has changed.
+template <class T>
+Step<T> refused_row() {
+    return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
+}
+/// (3) of Weighted. `psi` is workspace of d numbers.
+template <class F, class T, int N>
+Step<T> missing_output(F& filter, StateVector<T, N>& psi, T& by) {
+    by = T(1);
+    Step<T> const step = [&] {
+        if constexpr (requires { filter.pass_time(psi); }) return filter.pass_time(psi);
+        else return pass_time(filter, psi);
+    }();
+    return {undefined<T>(), undefined<T>(), step.gamma, step.health};
+}
+/// (1) and (3) of Weighted, of a filter that another holds. `psi`: workspace of d numbers, which may hold the row;
+/// `by`: what the filter's gain is to be multiplied by from now on.
+template <class F, Real T, int N>
+Step<T> weighted_row(F& filter, StateVector<T, N>& psi, T& by, Regressor<T> given, T const& y, T const& w) {
+    keep_regressor(given, psi);
+    Truth<T> const good = T(0) <= w && is_finite(w), taken = good && !(w == T(0));
+    if (!any(good)) return refused_row<T>();
+    if (!any(taken) && all(good)) return missing_output(filter, psi, by);  // (3)
+    by = select(good, select(taken, square_root(w), T(1)), by);            // (1)
+    scale(psi, by, psi);
+    T output = by * y;
+    if (!all(taken)) {
+        for (Index i = 0; i < psi.size(); ++i) psi[i] = select(taken, psi[i], T(0));
+        output = select(taken, output, T(0));
+    }
+    Regressor<T> const row(psi.data(), psi.size());
+    Step<T> step = on_lanes<T>(filter, good, [&] { return filter.update(row, output); });
+    step.innovation /= by;
+    step.residual /= by;
+    if constexpr (!std::same_as<Truth<T>, bool>)
+        if (!all(taken)) {
+            Step<T> const none{undefined<T>(), undefined<T>(), step.gamma, step.health};
+            step = select(good, select(taken, step, none), refused_row<T>());
+        }
+    return step;
+}
+}  // namespace detail
+
 /// F with a weight for each row: minimises sum_i lambda^(k-i) w_i (y_i - psi_i'theta)^2 in place of F's sum, the prior
 /// as it is. w = 1/v where the row's noise has v times the variance that P is in units of.
 ///
@@ -50,28 +94,12 @@ public:
         return step;
     }
     Step<T> update(Regressor<T> psi, T const& y, T const& w) {
-        keep_regressor(psi, psi_);
-        Truth<T> const good = T(0) <= w && is_finite(w), taken = good && !(w == T(0));
-        if (!any(good)) return refused();
-        if (!any(taken) && all(good)) return missing();  // (3)
-        if constexpr (Real<T>) {                         // (1)
-            by_ = select(good, select(taken, square_root(w), T(1)), by_);
-            scale(psi_, by_, psi_);
-            T output = by_ * y;
-            if (!all(taken)) {
-                for (Index i = 0; i < psi_.size(); ++i) psi_[i] = select(taken, psi_[i], T(0));
-                output = select(taken, output, T(0));
-            }
-            Step<T> step = detail::on_lanes<T>(filter_, good, [&] { return filter_.update(row(), output); });
-            step.innovation /= by_;
-            step.residual /= by_;
-            if constexpr (!std::same_as<Truth<T>, bool>)
-                if (!all(taken)) {
-                    Step<T> const none{undefined<T>(), undefined<T>(), step.gamma, step.health};
-                    step = select(good, select(taken, step, none), refused());
-                }
-            return step;
+        if constexpr (Real<T>) {  // (1), (3)
+            return detail::weighted_row(filter_, psi_, by_, psi, y, w);
         } else {  // (2)
+            keep_regressor(psi, psi_);
+            if (!(T(0) <= w)) return detail::refused_row<T>();
+            if (w == T(0)) return missing();
             Step<T> const step = measure(filter_, row(), y, T(lambda_ / w), lambda_);
             discount(filter_, w);
             by_ = ReportsInformation<F> ? w : T(1);  // these solve for P psi on request
@@ -79,11 +107,7 @@ public:
         }
     }
     /// (3). Its step has no innovation and no residual.
-    Step<T> missing() {
-        by_ = T(1);
-        Step<T> const step = detail::pass_time(filter_, psi_);
-        return {undefined<T>(), undefined<T>(), step.gamma, step.health};
-    }
+    Step<T> missing() { return detail::missing_output(filter_, psi_, by_); }
 
     Vector<T, detail::size_of<F>> gain() const {
         Vector<T, detail::size_of<F>> K = filter_.gain();
@@ -118,7 +142,6 @@ public:
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.by_); }
 
 private:
-    static Step<T> refused() { return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite}; }
     Regressor<T> row() const { return {psi_.data(), psi_.size()}; }
 };
 
