@@ -102,9 +102,11 @@ PyMethodDef functions[] = {
     {"save", save, METH_VARARGS, nullptr},
     {"use_threads", use_threads, METH_O,
      "use_threads(threads, /)\n--\n\nFrom now on so many threads, 1 to 1024, share the work on a block of rows of "
-     "`rlslab.Outputs`, in all of\nthem; 1 at the start. The bits are the same. A block at work keeps its threads.\n\n"
+     "`rlslab.Outputs`, in all of\nthem, and the groups and windows of `rolling`; 1 at the start. The bits are the "
+     "same. A block at work keeps its\nthreads.\n\n"
      ">>> rlslab.use_threads(1)"},
     {"use", use, METH_VARARGS, nullptr},
+    {"rolling", rolling, METH_VARARGS, nullptr},
     {nullptr, nullptr, 0, nullptr}};
 PyModuleDef definition{
     PyModuleDef_HEAD_INIT, "rlslab._core", nullptr, -1, functions, nullptr, nullptr, nullptr, nullptr};

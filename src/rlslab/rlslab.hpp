@@ -13,6 +13,7 @@
 #include <rlslab/core/rounding.hpp>
 #include <rlslab/many/fleet.hpp>
 #include <rlslab/many/fold_all.hpp>
+#include <rlslab/many/rolling.hpp>
 #include <rlslab/state/convert.hpp>
 #include <rlslab/state/merge.hpp>
 #include <rlslab/state/state.hpp>

@@ -46,6 +46,8 @@ exact = rlslab.certified(np.zeros((3, 4)), np.zeros(3), forgetting=0.9, prior_va
 digits: float = exact.digits(m.params) + float(exact.theta[0])
 order: int = rlslab.excitation(np.zeros(9), max_order=3).order
 rows = rlslab.sweep(np.zeros((3, 4)), np.zeros(3), {"forgetting": [0.9, 1], "prior": "scaled"}).records
+theta, sigma = rlslab.rolling(np.zeros((3, 2)), [1, 2, 3], 2, groups=["a", "b", "a"], returns=("theta", "sigma"))
+last_t = rlslab.rolling(np.zeros((3, 2)), np.zeros(3), forgetting=0.9, min_periods=2).t[-1]
 verdicts = rlslab.study("choose", set={"kappa": 10}, out="folder").verdicts
 text: str = rlslab.cite("ud") + c.code + c.table() + m.summary()
 """
@@ -59,6 +61,8 @@ rlslab.Udd(3)
 rlslab.compare([[1.0]], [1.0], digit=3)
 rlslab.certified([[1.0]], [1.0]).theta = 3
 x: int = rlslab.identify([1.0]).params
+rlslab.rolling([1.0], [1.0], windows=3)
+rlslab.rolling([1.0], [1.0]).tt
 """
 
 
@@ -77,4 +81,4 @@ def test_wrong_programs_are_found(tmp_path):
     (tmp_path / "wrong.py").write_text(WRONG)
     done = mypy("wrong.py", cwd=tmp_path)
     lines = {int(line.split(":")[1]) for line in done.stdout.splitlines() if ": error: " in line}
-    assert lines == {4, 5, 6, 7, 8, 9, 10}
+    assert lines == {4, 5, 6, 7, 8, 9, 10, 11, 12}

@@ -6,6 +6,7 @@
     steps = f.update_many(Psi, y, steps=True)     # Psi (n, d); an array of steps
     f.theta, f.gain, f.covariance                 # psi @ f.theta predicts y
     f = rlslab.QrBlock(4, outputs=3)              # y of 3 numbers; f.update_many(X, Y), f.theta (4, 3)
+    rlslab.rolling(X, y, window=250, groups=g)    # theta, t, residual, sigma of each row's window, of each group
 
 From a file to a filter that skips bad rows and mends its P:
 
@@ -39,6 +40,7 @@ from ._compare import Comparison, compare
 from ._core import Counts, Step, controls, guards, use_threads, variants
 from ._filter import HEALTHS, SIGNALS, STEP, Filter
 from ._identify import Excitation, Identification, excitation, identify
+from ._rolling import Rolled, rolling
 from ._stateful import Path
 from ._studies import Study, Sweep, cite, study, sweep
 from ._variants import *  # noqa: F403
@@ -134,8 +136,8 @@ if not TYPE_CHECKING:    # to which any name would be one
 
 __all__ = [
     "CLASSES", "HEALTHS", "SIGNALS", "STEP", "Certificate", "Certified", "Comparison", "Complex", "ComplexSteps",
-    "Counts", "Excitation", "Filter", "Fleet", "Identification", "LeastExcited", "Outputs", "Removal", "Step",
-    "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls", "excitation", "filter", "from_state",
-    "guards", "identify", "load", "study", "sweep", "use_threads", "variants",
+    "Counts", "Excitation", "Filter", "Fleet", "Identification", "LeastExcited", "Outputs", "Removal", "Rolled",
+    "Step", "Study", "Sweep", "arithmetics", "certified", "cite", "compare", "controls", "excitation", "filter",
+    "from_state", "guards", "identify", "load", "rolling", "study", "sweep", "use_threads", "variants",
     *_variants.__all__,
 ]  # fmt: skip
