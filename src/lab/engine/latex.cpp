@@ -89,6 +89,9 @@ std::string table_tex(Outcome const& outcome, RunOptions const& options) {
         out += fmt::format("{} (\\emph{{{}}}) & {} & {}\\\\\n", latex(claim.text), name_of(claim.basis.kind),
                            latex(outcome.judgements[i].measured), name_of(outcome.judgements[i].verdict));
     }
+    for (size_t i = 0; i < outcome.numbers.size(); ++i)
+        out +=
+            fmt::format("{} & {} & not judged\\\\\n", latex(outcome.study->claims[i].text), latex(outcome.numbers[i]));
     return out + "\\bottomrule\n\\end{longtable}\n";
 }
 

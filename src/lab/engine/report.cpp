@@ -96,21 +96,48 @@ std::string summary(std::vector<Outcome> const& outcomes) {
         unsaid, claim_risk, expected_errors(outcomes), fewest_seeds);
 }
 
+/// What mark and band of its figures are.
+std::string key_of(Study const& study, Outcome const& outcome) {
+    bool const curves = std::ranges::any_of(study.plots, [](Plot const& plot) { return !plot.cells; });
+    bool const guided =
+        std::ranges::any_of(study.plots, [](Plot const& plot) { return !plot.cells && !plot.guides.empty(); });
+    std::string const replicates = [&]() -> std::string {
+        for (std::string const& column : outcome.table.columns())
+            if (column == "replicate") return fmt::format("{} seeds", outcome.table.distinct(column).size());
+        return "rows";
+    }();
+    if (!curves) return {};
+    return fmt::format(
+        "<p class=\"soft\">A mark is the median over the {} of a group, a band reaches from the least to "
+        "the greatest{}.</p>\n",
+        replicates, guided ? "; grey dashes are guides, no data" : "");
+}
+
 std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     Study const& study = *outcome.study;
     std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name,
                                   escaped(study.question));
-    if (!study.formula.empty()) out += formula_html(study.formula);
+    if (auto const counts = counted({&outcome, 1}); !outcome.judgements.empty()) {
+        Count all;
+        for (Count const& c : counts) all.holds += c.holds, all.fails += c.fails, all.undecided += c.undecided;
+        out += fmt::format("<p>{} of {} claims hold, {} fail, {} are undecided.</p>\n", all.holds, all.claims(),
+                           all.fails, all.undecided);
+    }
+    if (!drawn.empty()) out += figure_html(drawn.front()) + key_of(study, outcome);
     out += fmt::format("<p>{}</p>\n", escaped(study.interpretation));
+    if (!study.formula.empty()) out += formula_html(study.formula);
     if (!study.claims.empty()) out += "<ul class=\"claims\">\n";
     if (!outcome.changed.empty())
         out += fmt::format("<li class=\"undecided\"><b>not judged</b> factors changed: {}</li>\n",
                            escaped(outcome.changed));
+    for (size_t i = 0; i < outcome.numbers.size(); ++i)
+        out += fmt::format("<li class=\"undecided\"><b>not judged</b> {}<span class=\"measured\">{}</span></li>\n",
+                           escaped(study.claims[i].text), escaped(outcome.numbers[i]));
     for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
             if (outcome.judgements[i].verdict == verdict) out += claim_html(study, i, outcome.judgements[i], false);
     if (!study.claims.empty()) out += "</ul>\n";
-    for (Figure const& figure : drawn) out += figure_html(figure);
+    for (size_t i = 1; i < drawn.size(); ++i) out += figure_html(drawn[i]);
     out += fmt::format(
         "<details><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>{2}</details>\n",
         study.name, outcome.table.rows().size(), beginning(outcome.table));

@@ -36,11 +36,12 @@ struct RunOptions {
 struct Outcome {
     Study const* study;
     Table table;
-    std::vector<Judgement> judgements;    ///< one for each claim; none if options.changed()
-    std::vector<std::string> provenance;  ///< "key: value", the lines above the CSV's header
-    size_t trials, resumed;               ///< all trials, and the trials that an interrupted run had finished
-    std::string changed = {};             ///< "kappa = 1e2, 1e4": what differs from the study's own factors
-    bool holds() const;                   ///< every claim
+    std::vector<Judgement> judgements;      ///< one for each claim; none if options.changed()
+    std::vector<std::string> provenance;    ///< "key: value", the lines above the CSV's header
+    size_t trials, resumed;                 ///< all trials, and the trials that an interrupted run had finished
+    std::string changed = {};               ///< "kappa = 1e2, 1e4": what differs from the study's own factors
+    std::vector<std::string> numbers = {};  ///< of changed factors: what each claim would have been judged by
+    bool holds() const;                     ///< every claim
 };
 
 /// Every combination of the factors' values that the study admits, the last factor fastest. Throws InputError if it

@@ -71,6 +71,11 @@ std::string verdict_lines(Outcome const& outcome, bool colour, size_t width) {
     };
     std::string out = fmt::format("{}  {}\n", painted(outcome.study->name, 1), outcome.study->question);
     if (!outcome.changed.empty()) out += fmt::format("  not judged: factors changed: {}\n", outcome.changed);
+    for (size_t i = 0; i < outcome.numbers.size(); ++i) {
+        Claim const& claim = outcome.study->claims[i];
+        out += fmt::format("  not judged {:<12}  {}\n", name_of(claim.basis.kind),
+                           wrapped(claim.text + ": " + outcome.numbers[i], 27, 13, width));
+    }
     std::vector<size_t> order(outcome.judgements.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::ranges::stable_sort(order, {}, [&](size_t i) { return outcome.judgements[i].verdict; });
@@ -116,11 +121,11 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
                               {"verdict", name_of(outcome.judgements[i].verdict)},
                               {"measured", outcome.judgements[i].measured}});
         }
-        if (!outcome.changed.empty())
-            for (Claim const& claim : outcome.study->claims)
-                claims.push_back({{"claim", claim.text},
-                                  {"kind", name_of(claim.basis.kind)},
-                                  {"verdict", "not judged: factors changed"}});
+        for (size_t i = 0; i < outcome.numbers.size(); ++i)
+            claims.push_back({{"claim", outcome.study->claims[i].text},
+                              {"kind", name_of(outcome.study->claims[i].basis.kind)},
+                              {"verdict", "not judged: factors changed"},
+                              {"measured", outcome.numbers[i]}});
         out["studies"].push_back({{"name", outcome.study->name},
                                   {"question", outcome.study->question},
                                   {"source", outcome.study->source},
