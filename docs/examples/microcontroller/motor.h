@@ -15,7 +15,7 @@
 // kept. gcc reads no STDC pragma against fusing: -std=c99 does not fuse, with -std=gnu99 and in C++ functions are
 // compiled with fp-contract=off and are then not inlined. -std=c99 -ffp-contract=fast leaves other bits.
 //
-// MISRA C:2012, what cppcheck's addon finds: 10.4 (a health is chosen by ?:), 21.15 (memcpy takes a number's bits).
+// Rules of MISRA C:2012 that cppcheck's addon finds broken: 10.4 (health by ?:), 21.15 (memcpy).
 #ifndef MOTOR_H
 #define MOTOR_H
 
@@ -59,11 +59,7 @@ typedef struct {
 // False: not 0 < lambda <= 1, or not 0 < variance; f is as it was.
 static inline bool motor_init(motor *f, float lambda, float variance) {
     bool valid;
-    bool t0;
-    t0 = true;
-    t0 = t0 && ((0.0f < lambda) && (lambda <= 1.0f));
-    t0 = t0 && (0.0f < variance);
-    valid = t0;
+    valid = ((0.0f < lambda) && (lambda <= 1.0f)) && (0.0f < variance);
     if (valid) {
         int i;
         f->lambda = lambda;

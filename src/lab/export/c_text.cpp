@@ -29,11 +29,12 @@ struct Writer {
         if (e.kind == Kind::truth) return e.constant != 0 ? "true" : "false";
         if (e.kind == Kind::health) return prefix + "_" + healths[int(e.constant)];
         double const x = e.constant;
-        std::string const suffix = in_double ? "" : "f";
-        if (std::isnan(x)) return "NAN";
-        if (std::isinf(x)) return x < 0 ? "-INFINITY" : "INFINITY";
-        if (x == std::floor(x) && std::fabs(x) < 1e6) return fmt::format("{:.1f}{}", x, suffix);
-        return fmt::format("{:a}{}", x, suffix);
+        std::string const suffix = in_double ? "" : "f", cast = in_double ? "(double)" : "";
+        if (std::isnan(x)) return cast + "NAN";
+        if (std::isinf(x)) return (x < 0 ? "(-" : "(") + cast + "INFINITY)";
+        // The fewest digits that are this number again.
+        std::string const digits = in_double ? fmt::format("{}", x) : fmt::format("{}", float(x));
+        return digits + (digits.find_first_of(".e") == digits.npos ? ".0" : "") + suffix;
     }
     std::string index(Affine const& affine, int depth) const {
         std::string out;
@@ -199,9 +200,8 @@ std::string bytes_text(std::vector<std::byte> const& bytes) {
 }  // namespace
 
 std::string c_header(Exported const& what) {
-    std::string const misra = std::string("10.4 (a health is chosen by ?:), ") +
-                              (what.variant == "gentleman" ? "12.1 (?: in ?:), " : "") +
-                              "21.15 (memcpy takes a number's bits)";
+    std::string const misra = std::string("10.4 (health by ?:), ") +
+                              (what.variant == "gentleman" ? "12.1 (?: in ?:), " : "") + "21.15 (memcpy)";
     Recording const r = recorded(what.variant, what.size, what.in_double);
     std::string const p = what.name, P = upper(p), number = what.in_double ? "double" : "float";
     std::map<int, std::string> names;
@@ -276,7 +276,7 @@ std::string c_header(Exported const& what) {
 // kept. gcc reads no STDC pragma against fusing: -std=c99 does not fuse, with -std=gnu99 and in C++ functions are
 // compiled with fp-contract=off and are then not inlined. -std=c99 -ffp-contract=fast leaves other bits.
 //
-// MISRA C:2012, what cppcheck's addon finds: {misra}.
+// Rules of MISRA C:2012 that cppcheck's addon finds broken: {misra}.
 #ifndef {P}_H
 #define {P}_H
 

@@ -87,7 +87,11 @@ class Lowering {
 
     /// A sum goes on in the variable that it has, and so does a chain of `and`.
     bool goes_on(Entry const& e) const {
-        if (e.op == Op::both) return at(e.a).op == Op::both || at(e.a).op == Op::constant;
+        if (e.op == Op::both) {
+            int first = e.a;
+            while (at(first).op == Op::both) first = at(first).a;
+            return at(first).op == Op::constant;
+        }
         if ((e.op != Op::add && e.op != Op::subtract) || e.a == e.b) return false;
         Entry const& sum = at(e.a);
         return users_[std::size_t(e.a)].size() > 1 &&

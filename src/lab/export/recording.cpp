@@ -104,9 +104,10 @@ Recording record(int size, std::initializer_list<char const*> names) {
         r.begun = int(r.tape.entries.size());
         Problem<T> problem{.size = size, .forgetting = forgetting, .prior = Prior<T>{.variance = c2}};
         F& filter = room.make(problem);
-        RecordedTruth taken = true;
-        for (int const truth : r.tape.assumed) taken = taken && RecordedTruth::of(truth);
-        valid.make(taken);
+        int taken = r.tape.assumed.front();
+        for (std::size_t i = 1; i < r.tape.assumed.size(); ++i)
+            taken = (RecordedTruth::of(taken) && RecordedTruth::of(r.tape.assumed[i])).read();
+        valid.make(RecordedTruth::of(taken));
         r.valid = valid.array;
         r.made = int(r.tape.entries.size());
 

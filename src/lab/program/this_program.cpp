@@ -92,8 +92,15 @@ Command state_command(CLI::App& app) {
 
 namespace {
 
-/// A name of C: a letter first, then letters, digits and _.
+/// A name of C and C++: a letter first, then letters, digits and _; no keyword, and nothing that the header includes.
 bool is_name_of_c(std::string_view name) {
+    static std::string_view const taken =
+        " alignas alignof and asm auto bitand bitor bool break case catch char class compl const constexpr continue "
+        "decltype default delete do double else enum explicit export extern false float for friend goto if inline int "
+        "long main mutable namespace new noexcept not nullptr operator or private protected public register restrict "
+        "return short signed sizeof static struct switch template this throw true try typedef typeid typename union "
+        "unsigned using virtual void volatile while xor ";
+    if (taken.find(fmt::format(" {} ", name)) != taken.npos) return false;
     auto const letter = [](char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z'); };
     return !name.empty() && name.size() <= 31 && letter(name.front()) &&
            std::ranges::all_of(name, [&](char c) { return letter(c) || c == '_' || ('0' <= c && c <= '9'); });
@@ -113,8 +120,9 @@ int run_export(ExportOptions const& o) {
     std::string const own = fmt::format("{}_{}_{}", o.variant, o.size, o.arithmetic),
                       name = o.name.empty() ? own : o.name;
     if (!is_name_of_c(name))
-        throw InputError(fmt::format("--name: expected a letter, then letters, digits and _, 31 at most, found \"{}\"",
-                                     printable(name)));
+        throw InputError(
+            fmt::format("--name: expected a letter, then letters, digits and _, 31 at most, no keyword, found \"{}\"",
+                        printable(name)));
     std::string made_by =
         fmt::format("rlslab export c --variant {} --size {} --arithmetic {}", o.variant, o.size, o.arithmetic);
     if (name != own) made_by += " --name " + name;
