@@ -25,6 +25,7 @@ sections = [
                        "MultiOutput MissingOutput UnusableRows"), ("src/rlslab/adapt/assessed.hpp",
                        "Assessed AssessedOptions Interval"),
                       ("src/rlslab/adapt/certified.hpp", "Certified Certificate"),
+                      ("src/rlslab/adapt/excitation.hpp", "LeastExcited"),
                       ("src/rlslab/adapt/delay_line.hpp", "DelayLine"),
                       ("src/rlslab/adapt/around.hpp", "AroundFilter")]),
     ("Coloured noise", [("src/rlslab/adapt/extended_least_squares.hpp", "ExtendedLeastSquares"),
@@ -39,7 +40,8 @@ sections = [
                                  ("src/rlslab/many/fleet_steps.hpp", "FleetSteps FleetCounts"),
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
-    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate"),
+    ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate Removal "
+                  "Excitation"),
                  ("src/catalogue/native/outputs.hpp", "Outputs")]),
     ("A study of your own", [("src/lab/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
                               "Verdict Judgement ()"), ("src/lab/engine/table.hpp", "Table ()"),
@@ -49,7 +51,7 @@ sections = [
 left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords LaneRows LaneRecord RowsFromTo MpiRanks Encoding FilterEach SharedFilter
-OfOneRegressor NoProbes ProbeOf Probes OlderZ ProbedForm CovarianceTimes Meeting
+OfOneRegressor NoProbes ProbeOf Probes OlderZ ProbedForm CovarianceTimes Meeting RootOf
 """.split()
 
 

@@ -7,15 +7,20 @@
 //   digest composed DIR saves states of compositions after 100 rows; theta after 200
 //   digest outputs      20 rows and 600 more at once of three outputs: theta by rows, and the state
 //   digest complex      60 rows of eleven complex filters: theta, and the state
-//   digest all          300 rows, more arithmetics and sizes: every step and report, and the state
+//   digest asked        100 rows of the weights (k mod 5) / 2, a removal, psi'P psi, draws, the least excited direction
+//   digest all          300 rows, more arithmetics and sizes: every step and report, and the state; and what is asked
 //
 // Rows: s = (1664525 s + 1013904223) mod 2^32 from s = 1 on, and each number is floor(s / 2^8) / 2^23 - 1: five of psi,
 // then y. Every language computes them exactly, and float holds them. Hash: of the bytes b of numbers as binary64, the
 // lowest first, h = (m h + b) mod 4294967291 from 1 on, for m = 257 and for m = 65599: a language without integers of
 // 64 bits has them in binary64. One NaN for all.
+#include <rlslab/adapt/excitation.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
+#include <rlslab/adapt/remove.hpp>
 #include <rlslab/adapt/rules.hpp>
+#include <rlslab/adapt/sample.hpp>
+#include <rlslab/adapt/weighted.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
@@ -167,6 +172,47 @@ void complex_filters() {
     for (std::byte const byte : state_of(fleet)) hash.add(byte);
     hash.print(std::string(F::name) + " complex " + std::string(ArithmeticTraits<typename Fleet::real>::name));
 }
+/// What a filter does not answer is not in the hash.
+template <class F>
+void asked() {
+    using T = typename F::scalar;
+    Weighted<F> weighted(Problem<T>{.size = d, .forgetting = T(0.9921875)});
+    Numbers numbers;
+    Vector<T> psi(d);
+    T y(0);
+    for (int k = 0; k < 100; ++k) {
+        for (T& x : psi) x = T(numbers.next());
+        y = T(numbers.next());
+        weighted.update(psi, y, T(k % 5) / T(2));
+    }
+    Hash hash;
+    hash.add(Vector<T>(weighted.theta()));
+    hash.add(Vector<T>(weighted.gain()));
+    F filter = weighted.filter();
+    if constexpr (ReportsVariances<F>) hash.add(double(variance_along(filter, Regressor<T>(psi))));
+    if (filter.stored().form == Stored<T>::Form::factor) {
+        Matrix<T> draws(d, 3);
+        Vector<T> u(d);
+        sample(filter, 1, 3, T(0.5), draws.data());
+        auto const found = least_excited(filter, u.data());
+        hash.add(draws);
+        hash.add(u);
+        hash.add(double(found.deviation));
+        hash.add(double(found.ratio));
+    }
+    if constexpr (Downdates<F>) {
+        auto const removal = remove(filter, Regressor<T>(psi), y, T(2));
+        hash.add(double(removal.remaining));
+        hash.add(double(removal.noise));
+    }
+    hash.add(Vector<T>(filter.theta()));
+    hash.print(name_of_type<F>());
+}
+
+template <class T>
+void asked_in() {
+    for_each(Variants<T>{}, []<class F>() { asked<F>(); });
+}
 
 template <class F>
 void everything(Index size) {
@@ -246,6 +292,8 @@ int main(int count, char** arguments) {
         everything_in<float>();
         everything_in<double>();
         everything_in<Chopped<bfloat16>>();
+        asked_in<float>();
+        asked_in<double>();
         lanes();
         complex_filters<Ud<Complex<Pack<float, 8>>>>(), complex_filters<Gentleman<Complex<Pack<double, 8>>>>();
         PrecisionScope const precision(12);
@@ -264,6 +312,9 @@ int main(int count, char** arguments) {
         };
         for_each(Variants<Complex<Pack<float, 8>>>{}, left_by);
         for_each(Variants<Complex<Pack<double, 8>>>{}, left_by);
+    } else if (verb == "asked") {
+        asked_in<float>();
+        asked_in<double>();
     } else if (verb == "outputs") {
         auto const left_by = []<class F>() {
             if constexpr (requires { typename MultiOutput<F>; }) several_outputs<F>();

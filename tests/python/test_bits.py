@@ -1,5 +1,6 @@
-"""The bits of C++: theta, K and P after 1000 rows, by every variant in both arithmetics; of several outputs
-and of complex numbers theta and the state."""
+"""The bits of C++: theta, K and P after 1000 rows, by every variant in both arithmetics; weights, removals, variances
+and draws; of several outputs and of complex numbers theta and the
+state."""
 
 import os
 import struct
@@ -51,6 +52,36 @@ def test_the_bits_are_those_of_cpp():
     )
     assert ours == printed
     assert len(set(printed.split()[2::3])) >= 28    # kalman's and conventional's may agree
+
+
+def asked_of(variant, dtype):
+    f = rlslab.filter(variant, 5, forgetting=0.9921875, dtype=dtype)
+    number = numbers()
+    table = np.array([[next(number) for _ in range(6)] for _ in range(100)])
+    f.update_many(table[:, :5], table[:, 5], weights=np.arange(100) % 5 / 2, steps=True)
+    psi, y = table[-1, :5], table[-1, 5]
+    out = [*f.theta.tolist(), *f.gain.tolist()]
+    answers = (
+        lambda: [f.variance(psi)],
+        lambda: f.sample(1, 3, 0.5).ravel().tolist(),
+        lambda: [*f.least_excited().direction.tolist(), *f.least_excited()[1:]],
+        lambda: [*f.remove(psi, y, 2.0)],
+    )
+    for answer in answers:
+        try:
+            out += answer()
+        except ValueError:
+            pass
+    return hash_of([*out, *f.theta.tolist()])
+
+
+def test_weights_and_what_a_filter_is_asked_are_those_of_cpp():
+    ours = "".join(
+        f"{variant} {name} {asked_of(variant, dtype)}\n"
+        for dtype, name in (("float32", "float"), ("float64", "double"))
+        for variant in rlslab.variants()
+    )
+    assert ours == printed_by_cpp("asked")
 
 
 def test_several_outputs_are_those_of_cpp():

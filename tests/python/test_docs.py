@@ -85,6 +85,14 @@ def test_the_page(page, examples, tmp_path):
         names = {**names, **run_block(block, names)}
 
 
+def test_the_page_on_closed_loops(examples):
+    names = dict(examples)
+    blocks = re.findall(r"```python\n(.*?)```\n", (ROOT / "docs/closed_loop.md").read_text(), re.S)
+    assert len(blocks) == 3
+    for block in blocks:
+        names = {**names, **run_block(block, names)}
+
+
 NOTEBOOKS = sorted((ROOT / "bindings/python/notebooks").glob("*.py"))
 
 

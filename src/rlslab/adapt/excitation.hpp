@@ -56,7 +56,7 @@ T normalise(T* x, Index n) {
 ///       eigenvalue, which is at most d
 ///   (4) u = D v / |D v|, deviation = |S'u|
 ///
-/// From a factor of P 10 d^2 multiplications; from one of P^-1, whose P_jj want S itself, d^3/6 more. f stores a root
+/// From a factor of P 17 d^2 multiplications; from one of P^-1, whose P_jj want S itself, d^3/6 more. f stores a root
 /// (RootOf), else std::invalid_argument. f stays as it is; allocates 2 d^2. Sources: the power method, von Mises &
 /// Pollaczek-Geiringer 1929; scaling by standard deviations is Pearson's correlation.
 template <class F>
@@ -69,10 +69,7 @@ LeastExcited<typename F::scalar> least_excited(F const& f, typename F::scalar* u
     if (!root.sound() || !detail::is_determined(const_cast<F&>(f))) return out;
     Matrix<T> s(d, d);
     StateVector<T> D(d), v(d), t(d);
-    for (Index j = 0; j < d; ++j) {
-        for (Index i = 0; i < d; ++i) t[i] = T(i == j ? 1 : 0);
-        root.times(t.data(), s.data() + j * d);
-    }
+    root.matrix(s.data());
     for (Index i = 0; i < d; ++i) {  // (1)
         D[i] = detail::length_of(s.data() + i, d, d);
         for (Index j = 0; j < d; ++j) s(i, j) /= D[i];

@@ -41,6 +41,16 @@ public:
     /// Whether F's numbers are finite, no D_j is negative, and no pivot of (2) is 0: else S has no meaning.
     bool sound() const { return sound_; }
 
+    /// S, d x d by columns. (1): as it is stored; (2): d^3/6 multiplications, an upper triangle.
+    void matrix(T* S) const {
+        Index const d = size();
+        for (Index j = 0; j < d; ++j) {
+            T* const x = S + j * d;
+            for (Index i = 0; i < d; ++i) x[i] = inverse_ ? T(0) : F_(i, j);
+            for (Index i = j; inverse_ && i >= 0; --i)
+                x[i] = (T(i == j ? 1 : 0) - dot(column(i) + i + 1, x + i + 1, j - i)) / F_(i, i);
+        }
+    }
     /// x = S z, x and z of d numbers each and apart. (1): d^2 multiplications, column by column; (2): d^2/2, by
     /// substitution backwards.
     void times(T const* z, T* x) const {
