@@ -200,10 +200,22 @@ class Filter(Stateful, _core.Filter):
         return self
 
     @overload
-    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False) -> Step | None: ...
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False, theta: Literal[False] = False
+    ) -> Step | None: ...
     @overload
-    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True]) -> NDArray[np.void]: ...
-    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: bool = False) -> Step | NDArray[np.void] | None:
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True], theta: Literal[False] = False
+    ) -> NDArray[np.void]: ...
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False, theta: Literal[True]
+    ) -> NDArray[np.floating[Any]]: ...
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True], theta: Literal[True]
+    ) -> tuple[NDArray[np.void], NDArray[np.floating[Any]]]: ...
+    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: bool = False, theta: bool = False) -> Any:
         """Process many rows, the oldest first, as `update` would one after another.
 
         Parameters
@@ -214,6 +226,9 @@ class Filter(Stateful, _core.Filter):
         y : array_like, shape (n,)
         steps : bool
             Whether to return the step of each row.
+        theta : bool
+            Whether to return theta after each row, shape (n, d): the bits of `theta` after `update`, row by row, of
+            `qr_block` too. With `steps` the pair of both.
 
         Returns
         -------
@@ -242,6 +257,11 @@ class Filter(Stateful, _core.Filter):
         True
         """
         P, v = _rows.block(Psi, y, self.size)
+        if theta:
+            table, path = np.empty(len(v), STEP), np.empty(P.shape)
+            self._theta_path(P, v, table, path)
+            path = path.astype(self.dtype, copy=False)
+            return (table, path) if steps else path
         if not steps:
             return self._update_many(P, v, None)
         out = np.empty(len(v), STEP)
