@@ -1,6 +1,8 @@
 // One filter from C: rlslab_filter is a native::Filter.
 #include "bindings/c/border.hpp"
 
+#include <rlslab/catalogue/native/theta_path.hpp>
+
 #include <algorithm>
 #include <limits>
 #include <new>
@@ -42,15 +44,24 @@ rlslab_status fit(rlslab_filter const* filter, std::size_t rows, std::size_t& st
 }
 template <class T>
 rlslab_status update_many(rlslab_filter* filter, T const* psi, std::size_t rows, std::size_t stride, T const* y,
-                          T const* weights, rlslab_step* steps) noexcept {
+                          T const* weights, rlslab_step* steps, double* theta = nullptr) noexcept {
     if (!filter) return null_among({{"filter", filter}});
     if (rows == 0) return RLSLAB_OK;
     if (!psi || !y) return null_among({{"psi", psi}, {"y", y}});
     if (rlslab_status const status = fit(filter, rows, stride, sizeof(native::Step))) return status;
+    auto* const to = reinterpret_cast<native::Step*>(steps);
     return guarded([&] {
-        of(filter).update_many(psi, native::Index(rows), native::Index(stride), y, weights,
-                               reinterpret_cast<native::Step*>(steps));
+        if (theta)
+            native::update_many(of(filter), psi, native::Index(rows), native::Index(stride), y, weights, to, theta);
+        else of(filter).update_many(psi, native::Index(rows), native::Index(stride), y, weights, to);
     });
+}
+/// theta is not left out.
+template <class T>
+rlslab_status update_many_theta(rlslab_filter* filter, T const* psi, std::size_t rows, std::size_t stride, T const* y,
+                                rlslab_step* steps, double* theta) noexcept {
+    if (filter && rows > 0 && !theta) return null_among({{"theta", theta}});
+    return update_many(filter, psi, rows, stride, y, decltype(y)(nullptr), steps, theta);
 }
 template <void (native::Filter::*member)(double*) const>
 rlslab_status numbers(rlslab_filter const* filter, double* out, rlslab_status refused = RLSLAB_INVALID) noexcept {
@@ -125,6 +136,14 @@ rlslab_status rlslab_update_many_weighted_f32(rlslab_filter* filter, float const
                                               std::size_t stride, float const* y, float const* weights,
                                               rlslab_step* steps) {
     return update_many(filter, psi, rows, stride, y, weights, steps);
+}
+rlslab_status rlslab_update_many_theta(rlslab_filter* filter, double const* psi, std::size_t rows, std::size_t stride,
+                                       double const* y, rlslab_step* steps, double* theta) {
+    return update_many_theta(filter, psi, rows, stride, y, steps, theta);
+}
+rlslab_status rlslab_update_many_theta_f32(rlslab_filter* filter, float const* psi, std::size_t rows,
+                                           std::size_t stride, float const* y, rlslab_step* steps, double* theta) {
+    return update_many_theta(filter, psi, rows, stride, y, steps, theta);
 }
 rlslab_status rlslab_pass_time(rlslab_filter* filter, rlslab_step* step) {
     if (!filter) return null_among({{"filter", filter}});

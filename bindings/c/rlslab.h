@@ -102,6 +102,11 @@ rlslab_status rlslab_update_many(rlslab_filter* filter, double const* psi, size_
                                  rlslab_step* steps);
 rlslab_status rlslab_update_many_f32(rlslab_filter* filter, float const* psi, size_t rows, size_t stride,
                                      float const* y, rlslab_step* steps);
+// The same, row by row (of qr_block, too), and theta after each row: room for rows x d numbers, by rows.
+rlslab_status rlslab_update_many_theta(rlslab_filter* filter, double const* psi, size_t rows, size_t stride,
+                                       double const* y, rlslab_step* steps, double* theta);
+rlslab_status rlslab_update_many_theta_f32(rlslab_filter* filter, float const* psi, size_t rows, size_t stride,
+                                           float const* y, rlslab_step* steps, double* theta);
 // Time without a row. step: or null.
 rlslab_status rlslab_pass_time(rlslab_filter* filter, rlslab_step* step);
 // Rows of weights w, 1/v where the noise has v times the variance of the others: sum_i lambda^(k-i) w_i (y_i -

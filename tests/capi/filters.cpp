@@ -123,6 +123,37 @@ TEST(Filters, AreThoseOfTheNativeLayerAloneAndComposed) {
     EXPECT_GT(refused, 0u);
 }
 
+TEST(Filters, ThetaAfterEachRowIsThatOfTheRowsOneByOne) {
+    constexpr std::size_t stride = d + 2;
+    auto const psi = numbers(rows * stride, 21), y = numbers(rows, 22);
+    auto const floats = numbers<float>(rows * stride, 23), y_floats = numbers<float>(rows, 24);
+    for (std::string_view const variant : native::variants())
+        for (std::string_view const arithmetic : native::arithmetics()) {
+            SCOPED_TRACE(variant);
+            FilterHandle const filter = filter_of(variant.data(), arithmetic.data(), options_of(d, 0.98));
+            FilterHandle const single = copy_of(filter.get());
+            std::vector<double> path(rows * d), narrow(rows * d);
+            std::vector<rlslab_step> steps(rows);
+            ASSERT_EQ(
+                rlslab_update_many_theta(filter.get(), psi.data(), rows, stride, y.data(), steps.data(), path.data()),
+                RLSLAB_OK);
+            ASSERT_EQ(rlslab_update_many_theta_f32(filter.get(), floats.data(), rows, stride, y_floats.data(), nullptr,
+                                                   narrow.data()),
+                      RLSLAB_OK);
+            for (std::size_t k = 0; k < rows; ++k) {
+                rlslab_step step;
+                rlslab_update(single.get(), &psi[k * stride], y[k], &step);
+                EXPECT_EQ(std::memcmp(&step, &steps[k], sizeof step), 0);
+                EXPECT_EQ(theta_of(single.get()), std::vector<double>(&path[k * d], &path[k * d] + d));
+            }
+            for (std::size_t k = 0; k < rows; ++k) {
+                rlslab_update_f32(single.get(), &floats[k * stride], y_floats[k], nullptr);
+                EXPECT_EQ(theta_of(single.get()), std::vector<double>(&narrow[k * d], &narrow[k * d] + d));
+            }
+            EXPECT_EQ(state_of(filter.get()), state_of(single.get()));
+        }
+}
+
 TEST(Filters, ACopyGoesOnAloneAndAResetBeginsAnew) {
     auto const psi = numbers(rows * d, 7), y = numbers(rows, 8);
     FilterHandle const filter = filter_of("carlson", "float", options_of(d, 0.97));

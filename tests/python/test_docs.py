@@ -80,8 +80,9 @@ def test_the_page(page, examples, tmp_path):
         blocks.insert(0, next(b for b in re.findall(r"```python\n(.*?)```\n", PAGE, re.S) if "def how_sure" in b))
         names = dict(examples)
     for block in blocks:
-        if "sklearn" in block:
-            pytest.importorskip("sklearn")
+        for needed in ("sklearn", "pandas"):
+            if f"{needed} " in block or f"{needed}." in block:
+                pytest.importorskip(needed)
         names = {**names, **run_block(block, names)}
 
 

@@ -201,6 +201,23 @@ def test_r2_is_never_beyond_one():
     assert np.isnan(rlslab.rolling(np.column_stack([np.ones(9), x[:9]]), np.full(9, 4.2), returns="r2").r2).all()
 
 
+@pytest.mark.parametrize("options", [{"window": 50}, {"forgetting": 0.97}, {}])
+def test_offsets_cost_no_digits_beside_a_constant(options):
+    g = np.random.default_rng(9)
+    X = g.integers(-(2**20), 2**20, (1200, 3)) / 2.0**20
+    X[:, 1], y = 2.0, np.round((X[:, 0] - 3 * X[:, 2] + g.standard_normal(1200)) * 2**20) / 2**20
+    far = X + np.array([2.0**30, 0.0, -(2.0**31)])    # exact
+    far[::50], X[::50] = np.nan, np.nan               # the constant's, too
+    near, found = (rlslab.rolling(A, y + off, **options, returns=ANSWERS) for A, off in ((X, 0.0), (far, 2.0**30)))
+    assert np.isfinite(found.sigma[60])
+    for name in ("sigma", "r2", "innovation", "residual"):
+        np.testing.assert_allclose(getattr(found, name), getattr(near, name), rtol=1e-11, atol=1e-12)
+    for name in ("theta", "t", "error"):
+        np.testing.assert_allclose(getattr(found, name)[:, ::2], getattr(near, name)[:, ::2], rtol=1e-11, atol=1e-12)
+    shift = found.theta[:, 0] * 2.0**30 - found.theta[:, 2] * 2.0**31
+    np.testing.assert_allclose(found.theta[:, 1] * 2 + shift, near.theta[:, 1] * 2 + 2.0**30, rtol=1e-12)
+
+
 def test_units_do_not_matter():
     X, y = data(500, 5)
     units = 2.0 ** np.array([-26, 26, 0, 13, -300])

@@ -47,6 +47,8 @@ digits: float = exact.digits(m.params) + float(exact.theta[0])
 order: int = rlslab.excitation(np.zeros(9), max_order=3).order
 rows = rlslab.sweep(np.zeros((3, 4)), np.zeros(3), {"forgetting": [0.9, 1], "prior": "scaled"}).records
 theta, sigma = rlslab.rolling(np.zeros((3, 2)), [1, 2, 3], 2, groups=["a", "b", "a"], returns=("theta", "sigma"))
+path = f.update_many(np.zeros((3, 4)), np.zeros(3), theta=True)[-1] @ np.zeros(4)
+both, then = f.update_many(np.zeros((3, 4)), np.zeros(3), steps=True, theta=True)
 last_t = rlslab.rolling(np.zeros((3, 2)), np.zeros(3), forgetting=0.9, min_periods=2).t[-1]
 verdicts = rlslab.study("choose", set={"kappa": 10}, out="folder").verdicts
 text: str = rlslab.cite("ud") + c.code + c.table() + m.summary()

@@ -200,15 +200,27 @@ class Filter(Stateful, Asked):
 
     @overload
     def update_many(
-        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[False] = False
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[False] = False,
+        theta: Literal[False] = False,
     ) -> Step | None: ...
     @overload
     def update_many(
-        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[True]
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[True],
+        theta: Literal[False] = False,
     ) -> NDArray[np.void]: ...
+    @overload
     def update_many(
-        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: bool = False
-    ) -> Step | NDArray[np.void] | None:
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[False] = False,
+        theta: Literal[True],
+    ) -> NDArray[np.floating[Any]]: ...
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: Literal[True],
+        theta: Literal[True],
+    ) -> tuple[NDArray[np.void], NDArray[np.floating[Any]]]: ...
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: bool = False, theta: bool = False
+    ) -> Any:
         """Process many rows, the oldest first, as `update` would one after another.
 
         Parameters
@@ -221,6 +233,9 @@ class Filter(Stateful, Asked):
             One for each row, as of `update`; all 1 where left out. 0: a missing output.
         steps : bool
             Whether to return the step of each row.
+        theta : bool
+            Whether to return theta after each row, shape (n, d): the bits of `theta` after `update`, row by row, of
+            `qr_block` too. With `steps` the pair of both.
 
         Returns
         -------
@@ -252,6 +267,11 @@ class Filter(Stateful, Asked):
         w = None
         if weights is not None:
             P, v, w = _rows.weighted(P, v, weights)
+        if theta:
+            table, path = np.empty(len(v), STEP), np.empty(P.shape)
+            self._theta_path(P, v, w, table, path)
+            path = path.astype(self.dtype, copy=False)
+            return (table, path) if steps else path
         if not steps:
             return self._update_many(P, v, None, w)
         out = np.empty(len(v), STEP)

@@ -255,8 +255,8 @@ void run_rolling(RollingTask<X> const& task, std::vector<RollingPiece> const& pi
 ///   (2) N = sum w,  r = sum w^2 / N,   sigma^2 = rho^2 / (N - r d):  RSS / (n - d) where lambda = 1
 ///   (3) error_j = sigma sqrt(r P_jj),   t_j = theta_j / error_j
 ///   (4) residual = y - psi'theta,   innovation = y - psi'theta of the group's row before
-///   (5) r2 = |z|^2 / (|z|^2 + rho^2); where a column is the same number, not 0, in all rows, it is taken first, and
-///       z's first is left out: y's mean does not count as explained. In [0, 1], whatever the rounding
+///   (5) r2 = |z|^2 / (|z|^2 + rho^2); where a column is the same number, not 0, in all rows that have one, it is taken
+///       first, and z's first is left out: y's mean does not count as explained. In [0, 1], whatever the rounding
 ///   (6) beside such a column all others and y are taken less a row of the window, so that offsets cost no digits
 ///
 /// **No row is ever taken back, and no sum is a difference**: a window is the end of one block of W rows and the
@@ -312,12 +312,16 @@ void rolling(RollingRows<X> const& given, RollingOptions const& options, Rolled 
     for (size_t g = 0; g < ends.size(); ++g) longest = std::max(longest, ends[g] - (g > 0 ? ends[g - 1] : 0));
 
     for (Index j = 0; j < d; ++j) {
-        X const* const first = taken > 0 ? given.psi + task.order[0] * given.stride + j : nullptr;
-        auto const differs = [&](Index k) { return !(given.psi[k * given.stride + j] == *first); };
-        bool const constant = task.constant == 0 && first && !(*first == X(0)) && is_finite(*first) &&
-                              std::none_of(task.order.begin(), task.order.end(), differs);
-        if (constant) task.constant = double(*first);
-        task.column.insert(constant ? task.column.begin() : task.column.end(), j);
+        X first(0);
+        bool constant = task.constant == 0;
+        for (size_t i = 0; constant && i < task.order.size(); ++i)
+            if (X const x = given.psi[task.order[i] * given.stride + j]; is_finite(x)) {
+                if (first == X(0)) first = x;
+                constant = x == first && !(x == X(0));
+            }
+        if (constant) task.constant = double(first);
+        bool const leads = constant && !(first == X(0));
+        task.column.insert(leads ? task.column.begin() : task.column.end(), j);
     }
     if (options.window > 0) task.window = std::max<Index>(std::min(options.window, longest), 1);
     Index const numbers = (d + 1) * (d + 2);
