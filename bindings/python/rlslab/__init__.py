@@ -1,29 +1,38 @@
 """Recursive least squares: every textbook variant, with the same bits as in C++.
 
-    import rlslab
+A filter:
+
     f = rlslab.Ud(4, forgetting=0.99)             # or rlslab.filter("ud", 4, forgetting=0.99)
     step = f.update([1.0, 2.0, 0.5, 3.0], 0.7)    # Step(innovation, residual, gamma, health, signal)
-    steps = f.update_many(Psi, y, steps=True)     # Psi (n, d); an array of steps
-    f.theta, f.gain, f.covariance                 # psi @ f.theta predicts y
-    f = rlslab.QrBlock(4, outputs=3)              # y of 3 numbers; f.update_many(X, Y), f.theta (4, 3)
-    rlslab.rolling(X, y, window=250, groups=g)    # theta, t, residual, sigma of each row's window, of each group
+    steps = f.update_many(Psi, y, steps=True)     # Psi (n, d); theta=True: theta after each row; weights=w
+    f.theta, f.gain, f.covariance, f.factor       # psi @ f.theta predicts y
+    f.remove(psi, y), f.variance(Psi), f.sample(seed, n), f.least_excited()
+    f.save("out.state"); f = rlslab.load("out.state")
 
-From a file to a filter that skips bad rows and mends its P:
-
-    data = np.genfromtxt("data.csv", delimiter=",", names=True)
-    Psi, y = np.column_stack([data["a"], data["b"]]), data["out"]
-    f = rlslab.compare(Psi, y, forgetting=0.99, digits=3).filter(guard="reset")
-    f.update_many(Psi, y)
-    f.save("out.state")                           # later: f = rlslab.load("out.state")
-
-`help(rlslab.Filter)` has the options, `help(rlslab.Ud)` the formulas of a variant. `variants()`, `arithmetics()`,
-`guards()` and `controls()` list the names. `rlslab.sklearn` has estimators for scikit-learn.
+Which one, and how far to trust it:
 
     rlslab.compare(Psi, y, digits=3)              # which variant, in which arithmetic; .best, .code, .filter()
-    rlslab.identify(y, u)                         # a model with its uncertainty; .params, .bse, .conf_int()
+    rlslab.Ud(4, certify=3).certificate()         # digits of P and theta, shown by the running filter
     rlslab.certified(Psi, y).digits(f.theta)      # the exact solution, with a proven bound
 
-These and `excitation`, `study`, `sweep` and `cite` run the program `rlslab`, `certified` an extension of its own.
+Bad rows, changes, silence: `guard="reset"`, `window=200`, `control=...` of `rlslab.Filter`.
+
+Several at once:
+
+    rlslab.QrBlock(4, outputs=3)                  # y of 3 numbers; f.update_many(X, Y), f.theta (4, 3)
+    rlslab.Fleet("ud", 1000, 4)                   # a thousand filters; guard=, window=; device="cuda"
+    rlslab.Fleet("ud", 257, 20, dtype="complex64", outputs=2)    # complex numbers: the bins of a spectrum
+
+Regressions and models:
+
+    rlslab.rolling(X, y, window=250, groups=g)    # theta, t, residual, sigma of each row's window, of each group
+    rlslab.identify(y, u)                         # an ARX model with its uncertainty; .params, .bse, .conf_int()
+    from rlslab.sklearn import RLSRegressor, RLSClassifier
+    from rlslab.results import RecursiveLS        # statsmodels' words
+
+`help(rlslab.Filter)` has the options, `help(rlslab.Ud)` the formulas of a variant. `variants()`, `arithmetics()`,
+`guards()` and `controls()` list the names. `compare`, `identify`, `excitation`, `study`, `sweep` and `cite` run the
+program `rlslab`, `certified` an extension of its own.
 """
 
 from __future__ import annotations
