@@ -171,6 +171,39 @@ def test_a_fleet_is_its_filters(variant, dtype):
     assert (fleet.theta[2] == 0).all() and same(fleet.theta[1], alone[1].theta)
 
 
+@pytest.mark.parametrize("variant", [v for v in rlslab.variants() if v != "qr_block"])
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_steps_paths_and_matrices_of_a_fleet_are_its_filters(variant, dtype):
+    options = {"forgetting": 0.99, "dtype": dtype}
+    fleet, again = (rlslab.Fleet(variant, 11, 3, **options) for _ in range(2))
+    alone = [rlslab.filter(variant, 3, **options) for _ in range(11)]
+    Psi, y = (array.reshape(20, 11, *array.shape[1:]) for array in rows(220, 3))
+    y[7, 4] = np.nan    # missing there; a filter alone is not offered it
+    table, path = fleet.update_many(Psi, y, steps=True, theta=True)
+    assert table.shape == (20, 11) and path.shape == (20, 11, 3) and path.dtype == dtype
+    for k in range(20):
+        one = again.update(Psi[k], y[k], steps=True)
+        assert one.tobytes() == table[k].tobytes() and np.array_equal(again.theta, path[k])
+        for m, f in enumerate(alone):
+            if (k, m) == (7, 4):
+                assert np.isnan(one[m]["innovation"]) and rlslab.HEALTHS[one[m]["health"]] == "nonfinite"
+                continue
+            step = f.update(Psi[k, m], y[k, m])
+            assert tuple(one[m])[:3] == step[:3] and rlslab.HEALTHS[one[m]["health"]] == step.health
+            assert np.array_equal(f.theta, path[k, m])
+    name = "covariance" if hasattr(alone[0], "covariance") else "information"
+    assert same(getattr(fleet, name), [getattr(f, name) for f in alone]) and getattr(fleet, name).dtype == dtype
+    with pytest.raises(AttributeError, match=f"reports {name}"):
+        getattr(fleet, "information" if name == "covariance" else "covariance")
+    assert fleet.update_many(Psi[:2], np.full((2, 11), np.nan)) == 22
+    assert fleet.update_many(Psi[:0], y[:0], theta=True).shape == (0, 11, 3)
+    state = fleet.state
+    for bad in ((Psi[:, :5], y[:, :5]), (Psi, y[:5]), (Psi[0], y[0]), (Psi[:, :, :2], y)):
+        with pytest.raises(ValueError):
+            fleet.update_many(*bad)
+    assert fleet.state == state
+
+
 def test_fleets_that_are_refused():
     fleet = rlslab.Fleet("ud", 4, 3)
     before = fleet.state
@@ -205,14 +238,16 @@ def test_a_composed_fleet_is_its_filters(options):
     Psi, y = rng.standard_normal((80, 5, 3)), rng.standard_normal((80, 5))
     y[50, 2], y[60, 3] = 1e6, np.nan
     fleet = rlslab.Fleet("ud", 5, 3, forgetting=0.98, **options)
-    for k in range(80):
-        assert fleet.update(Psi[k], y[k]) == (k == 60)
+    steps = fleet.update_many(Psi, y, steps=True)
+    assert (np.argwhere(np.isnan(steps["innovation"])) == [[60, 3]]).all()
     for i in range(5):
         alone = rlslab.Ud(3, forgetting=0.98, **options)
         for k in range(80):
             if (k, i) != (60, 3):
-                alone.update(Psi[k, i], y[k, i])
-        assert (alone.theta == fleet.theta[i]).all()
+                step = alone.update(Psi[k, i], y[k, i])
+                assert step.innovation == steps[k, i]["innovation"]
+                assert step.signal == rlslab.SIGNALS[steps[k, i]["signal"]]
+        assert (alone.theta == fleet.theta[i]).all() and (alone.covariance == fleet.covariance[i]).all()
     other = pickle.loads(pickle.dumps(fleet))
     copied = fleet.copy()
     for f in (fleet, other, copied):

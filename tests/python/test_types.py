@@ -31,6 +31,8 @@ g: rlslab.Ud = f.copy()
 h: rlslab.Filter = rlslab.filter("qr", 3, dtype="float32")
 fleet = rlslab.Fleet("ud", filters=3, size=2)
 missing: int = fleet.update(np.zeros((3, 2)), np.zeros(3))
+then, walked = fleet.update_many(np.zeros((2, 3, 2)), np.zeros((2, 3)), steps=True, theta=True)
+worst = fleet.update(np.zeros((3, 2)), np.zeros(3), steps=True)["gamma"].min() + fleet.covariance[0].sum()
 many = rlslab.Outputs("qr_block", 4, 2, prior_variance=None)
 words: str = many.update_many(np.zeros((3, 4)), np.zeros((3, 2)), unusable="leave_out") + many.copy().health
 predicted = np.zeros((3, 4)) @ many.theta
@@ -48,7 +50,7 @@ order: int = rlslab.excitation(np.zeros(9), max_order=3).order
 rows = rlslab.sweep(np.zeros((3, 4)), np.zeros(3), {"forgetting": [0.9, 1], "prior": "scaled"}).records
 theta, sigma = rlslab.rolling(np.zeros((3, 2)), [1, 2, 3], 2, groups=["a", "b", "a"], returns=("theta", "sigma"))
 path = f.update_many(np.zeros((3, 4)), np.zeros(3), theta=True)[-1] @ np.zeros(4)
-both, then = f.update_many(np.zeros((3, 4)), np.zeros(3), steps=True, theta=True)
+both, then_too = f.update_many(np.zeros((3, 4)), np.zeros(3), steps=True, theta=True)
 last_t = rlslab.rolling(np.zeros((3, 2)), np.zeros(3), forgetting=0.9, min_periods=2).t[-1]
 verdicts = rlslab.study("choose", set={"kappa": 10}, out="folder").verdicts
 text: str = rlslab.cite("ud") + c.code + c.table() + m.summary()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _core, _options, _rows
+from ._filter import STEP
 from ._stateful import Stateful
 from ._stateful import remade as _remade  # noqa: F401  where older pickles look for it
 
@@ -104,7 +105,11 @@ class Fleet(Stateful, _core.Fleet):
         self._made = {**_options.made(arguments, dtype, "filters"), **around}
         return self
 
-    def update(self, Psi: ArrayLike, y: ArrayLike) -> int:
+    @overload
+    def update(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False) -> int: ...
+    @overload
+    def update(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True]) -> NDArray[np.void]: ...
+    def update(self, Psi: ArrayLike, y: ArrayLike, *, steps: bool = False) -> int | NDArray[np.void]:
         """Process a row for each filter.
 
         Parameters
@@ -112,16 +117,83 @@ class Fleet(Stateful, _core.Fleet):
         Psi : array_like, shape (M, d)
             In place where it is contiguous.
         y : array_like, shape (M,)
+        steps : bool
+            Whether to return the step of each filter.
 
         Returns
         -------
-        int
-            How many rows were missing: a filter whose row has a number that is not finite stays as it was.
+        int, or numpy.ndarray of dtype `rlslab.STEP`, shape (M,)
+            How many rows were missing: a filter whose row has a number that is not finite stays as it was. With `steps`
+            the bits that each filter alone would return; NaN and "nonfinite" where the row was missing.
         """
         P, v = _rows.block(Psi, y, self.size)
         if len(v) != self.filters:
             raise ValueError(f"{len(v)} rows for {self.filters} filters")
-        return self._update(_rows.contiguous(P), v)
+        out = np.empty(len(v), STEP) if steps else None
+        missing = self._update(_rows.contiguous(P), v, out)
+        return missing if out is None else out
+
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False, theta: Literal[False] = False
+    ) -> int: ...
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True], theta: Literal[False] = False
+    ) -> NDArray[np.void]: ...
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False, theta: Literal[True]
+    ) -> NDArray[np.floating[Any]]: ...
+    @overload
+    def update_many(
+        self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True], theta: Literal[True]
+    ) -> tuple[NDArray[np.void], NDArray[np.floating[Any]]]: ...
+    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: bool = False, theta: bool = False) -> Any:
+        """Process n rows for each filter, the oldest first, as `update` would one after another.
+
+        Parameters
+        ----------
+        Psi : array_like, shape (n, M, d)
+        y : array_like, shape (n, M)
+        steps, theta : bool
+            Whether to return the step of each row, shape (n, M), and theta after each row, shape (n, M, d); with both
+            the pair.
+
+        Returns
+        -------
+        int, or array, or pair of arrays
+            Without `steps` and `theta` how many rows were missing.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As `update` does, before any row is taken.
+
+        Examples
+        --------
+        >>> fleet = rlslab.Fleet("ud", filters=3, size=1)
+        >>> fleet.update_many(np.ones((4, 3, 1)), np.arange(12.0).reshape(4, 3), theta=True)[-1].round(2).tolist()
+        [[4.5], [5.5], [6.5]]
+        """
+        P, v = _rows.numbers(Psi, "Psi"), _rows.numbers(y, "y")
+        if P.ndim != 3 or P.shape[1:] != (self.filters, self.size):
+            raise ValueError(f"Psi has shape {P.shape}, expected (n, {self.filters}, {self.size})")
+        if v.shape != P.shape[:2]:
+            raise ValueError(f"y has shape {v.shape}, expected {P.shape[:2]}")
+        if P.dtype != v.dtype:
+            P, v = P.astype(np.float64, copy=False), v.astype(np.float64, copy=False)
+        table = np.empty(v.shape, STEP) if steps else None
+        path = np.empty(P.shape, self._made["dtype"]) if theta else None
+        missing = 0
+        for k in range(len(v)):
+            row = _rows.contiguous(P[k]), _rows.contiguous(v[k])
+            missing += self._update(*row, None if table is None else table[k])
+            if path is not None:
+                path[k] = self.theta
+        if table is not None:
+            return table if path is None else (table, path)
+        return missing if path is None else path
 
     @property
     def theta(self) -> NDArray[np.floating[Any]]:
@@ -129,6 +201,23 @@ class Fleet(Stateful, _core.Fleet):
         out = np.empty((self.filters, self.size))
         self._theta(out)
         return out.astype(self._made["dtype"], copy=False)
+
+    def _matrix(self, covariance: bool) -> NDArray[np.floating[Any]]:
+        name, other = ("covariance", "information") if covariance else ("information", "covariance")
+        by_columns = np.empty((self.filters, self.size, self.size))
+        if self._matrices(by_columns) != covariance:
+            raise AttributeError(f"{self.variant} reports {other}, not {name}", name=name, obj=self)
+        return np.ascontiguousarray(by_columns.transpose(0, 2, 1), dtype=self._made["dtype"])
+
+    @property
+    def covariance(self) -> NDArray[np.floating[Any]]:
+        """P of each filter, shape (M, d, d), a copy. AttributeError for a variant that holds P^-1: `information`."""
+        return self._matrix(True)
+
+    @property
+    def information(self) -> NDArray[np.floating[Any]]:
+        """P^-1 of each filter, shape (M, d, d), a copy. AttributeError for a variant that holds P: `covariance`."""
+        return self._matrix(False)
 
     @property
     def health(self) -> NDArray[np.intp]:

@@ -35,7 +35,8 @@ public:
         f_.health.assign(std::size_t(filters), first());
     }
 
-    Index update(Numbers psi, Numbers y) override {
+    Index update(Numbers psi, Numbers y, Step* steps) override {
+        constexpr double none = std::numeric_limits<double>::quiet_NaN();
         Index missing = 0;
         std::visit(
             [&]<class X>(X const* rows) {
@@ -44,13 +45,18 @@ public:
                     for (Index i = 0; i < size(); ++i) row_[i] = T(rows[m * size() + i]);
                     if (!all_finite(row_) || !is_finite(output)) {
                         ++missing;
+                        if (steps) steps[m] = {none, none, none, std::int32_t(Health::nonfinite), 0};
                         continue;
                     }
                     AnyAdaptive<T>& filter = f_.each[std::size_t(m)];
-                    Health const now = filter.update(Regressor<T>(row_.data(), size()), output).health;
+                    auto const step = filter.update(Regressor<T>(row_.data(), size()), output);
+                    Health const now = step.health;
                     Health& mine = f_.health[std::size_t(m)];
                     if (!signals_) mine = mine == Health::undetermined ? now : worse(mine, now);
                     else if (filter.signal() != GuardSignal::unusable) mine = now;
+                    if (steps)
+                        steps[m] = {double(step.innovation), double(step.residual), double(step.gamma),
+                                    std::int32_t(now), signals_ ? std::int32_t(filter.signal()) : 0};
                 }
             },
             psi);
@@ -61,6 +67,12 @@ public:
         if (theta)
             for (Index i = 0; i < size(); ++i) theta[i] = double(at[i]);
         return std::int32_t(f_.health[std::size_t(filter)]);
+    }
+    bool matrix(Index filter, double* out) const override {
+        AnyAdaptive<T> const& one = f_.each[std::size_t(filter)];
+        auto const found = one.matrix();
+        for (Index i = 0; i < found.size(); ++i) out[i] = double(found.data()[i]);
+        return one.matrix_is_covariance();
     }
     void reset(Index filter) override {
         f_.each[std::size_t(filter)] = f_.fresh;

@@ -206,12 +206,15 @@ public:
     using Numbers = std::variant<double const*, float const*>;
     /// A row for each filter: psi is M x d, filter m's row contiguous; y has M numbers. A row with a number that is not
     /// finite is missing: its filter stays as it was. Returns how many were missing. Numbers of the other arithmetic
-    /// are rounded once; psi and y are of one.
-    virtual Index update(Numbers psi, Numbers y) = 0;
+    /// are rounded once; psi and y are of one. `steps`: room for M, or null; NaN and nonfinite where the
+    /// row was missing.
+    virtual Index update(Numbers psi, Numbers y, Step* steps = nullptr) = 0;
     void theta(Index filter, double* out) const { health(filter, out); }
     /// undetermined, then the worst of its steps, of guarded filters the last step whose row was usable; and its theta
     /// where asked.
     virtual std::int32_t health(Index filter, double* theta = nullptr) const = 0;
+    /// P of a filter, or P^-1, d x d by columns as Filter's; which one of the two is answered.
+    virtual bool matrix(Index filter, double* out) const = 0;
     virtual void reset(Index filter) = 0;
     std::size_t state_size() const { return save({}); }
     /// Returns state_size(); into an empty span it writes nothing.

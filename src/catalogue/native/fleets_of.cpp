@@ -15,13 +15,14 @@ class FleetOf final : public Fleet {
     Filters filters_;
     Matrix<T> psi_;  // M x d: column i is the regressor i of all filters
     Vector<T> y_;
+    FleetSteps<T> steps_;
 
 public:
     FleetOf(Index filters, Problem<T> const& problem)
         : Fleet(problem.size, filters, F::name, ArithmeticTraits<T>::name), filters_(filters, problem),
-          psi_(filters, problem.size), y_(filters) {}
+          psi_(filters, problem.size), y_(filters), steps_(0) {}
 
-    Index update(Numbers psi, Numbers y) override {
+    Index update(Numbers psi, Numbers y, Step* steps) override {
         auto const row_of_each = [&](auto const* rows) {
             for (Index m = 0; m < psi_.rows(); ++m) {
                 for (Index i = 0; i < psi_.cols(); ++i) psi_(m, i) = T(rows[m * psi_.cols() + i]);
@@ -29,7 +30,21 @@ public:
             }
         };
         std::visit(row_of_each, psi);
-        return filters_.update(psi_, y_);
+        if (!steps) return filters_.update(psi_, y_);
+        if (steps_.filters() != filters()) steps_.resize(filters());
+        Index const missing = filters_.update(psi_, y_, steps_);
+        for (Index m = 0; m < filters(); ++m)
+            steps[m] = {double(steps_.innovation[m]), double(steps_.residual[m]), double(steps_.gamma[m]),
+                        std::int32_t(steps_.health[size_t(m)]), 0};
+        return missing;
+    }
+    bool matrix(Index filter, double* out) const override {
+        auto const one = filters_.filter(filter);
+        constexpr bool covariance = ReportsCovariance<std::remove_const_t<decltype(one)>>;
+        Eigen::Map<Matrix<double>> to(out, size(), size());
+        if constexpr (covariance) to = one.covariance().template cast<double>();
+        else to = one.information().template cast<double>();
+        return covariance;
     }
     std::int32_t health(Index filter, double* theta) const override {
         if (theta) Eigen::Map<Vector<double>>(theta, size()) = filters_.theta(filter).template cast<double>();
