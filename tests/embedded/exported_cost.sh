@@ -39,13 +39,14 @@ measure() {    # measure UNIT OPTION MACHINE FLAGS...: bytes of unit_row, instru
 echo '| processor | option | by hand: instructions | bytes | exported: instructions | bytes | ratios | unrolled: '\
 'instructions | bytes | ratios |'
 echo '|---|---|---|---|---|---|---|---|---|---|'
-while read -r name machine flags; do
+while read -r name machine options; do
+  read -ra flags <<<"$options"
   for option in -Os -O2 -O3; do
-    measure nothing "$option" "$machine" $flags
+    measure nothing "$option" "$machine" "${flags[@]}"
     empty=$instructions
     row="| $name | \`$option\` |"
     for unit in hand ud4 ud4_unrolled; do
-      measure "$unit" "$option" "$machine" $flags
+      measure "$unit" "$option" "$machine" "${flags[@]}"
       count=$(((instructions - empty + 500) / 1000))
       row+=" $count | $bytes |"
       if [[ $unit == hand ]]; then

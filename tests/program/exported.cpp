@@ -261,6 +261,28 @@ TEST_F(ExportedC, AnotherOperationLeavesOtherBits) {
     }
 }
 
+/// Options that change bits are refused, and so is a double of another length.
+TEST_F(ExportedC, RefusesOtherArithmetics) {
+    Case const single{"ud", false, 2}, twice{"ud", true, 2};
+    for (Case const& c : {single, twice}) {
+        write(folder() / (c.name() + ".h"), c.header());
+        write(folder() / "refused.c", "#include \"" + c.name() + ".h\"\nint main(void) { return 0; }\n");
+        auto const compiles = [&](std::string const& options) {
+            return std::system(
+                       ("gcc -c -o /dev/null " + options + " " + (folder() / "refused.c").string() + " 2> /dev/null")
+                           .c_str()) == 0;
+        };
+        if (!is_there("gcc")) GTEST_SKIP() << "no gcc";
+        EXPECT_TRUE(compiles(""));
+        EXPECT_FALSE(compiles("-ffast-math"));
+        EXPECT_FALSE(compiles("-ffinite-math-only"));
+#ifdef __x86_64__
+        EXPECT_FALSE(compiles("-mfpmath=387"));
+#endif
+        EXPECT_EQ(compiles("-include float.h -UDBL_MANT_DIG -D__DBL_MANT_DIG__=24 -w"), !c.in_double);
+    }
+}
+
 /// Takes the rows [first, last) of noise.
 template <class F>
 void take(F& f, int d, hostile_rows& r, int rows) {

@@ -188,8 +188,8 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
 
 // --- help ------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const commands{"compare",    "study", "merge", "identify", "simulate",
-                                        "excitation", "state", "export", "list", "help"};
+std::vector<std::string> const commands{"compare",    "study", "merge",  "identify", "simulate",
+                                        "excitation", "state", "export", "list",     "help"};
 
 TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     std::string const whole = shell("rlslab --help").out;

@@ -30,6 +30,9 @@
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "operations are kept longer than their type: other bits (x87: -mfpmath=sse)"
 #endif
+#if FLT_MANT_DIG != 24
+#error "a float is no IEEE float"
+#endif
 #if defined(__clang__) || !defined(__GNUC__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__cplusplus) || !defined(__STRICT_ANSI__)

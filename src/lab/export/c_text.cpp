@@ -291,6 +291,9 @@ std::string c_header(Exported const& what) {
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "operations are kept longer than their type: other bits (x87: -mfpmath=sse)"
 #endif
+#if {mantissa}
+#error "a {number} is no IEEE {number}"
+#endif
 #if defined(__clang__) || !defined(__GNUC__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__cplusplus) || !defined(__STRICT_ANSI__)
@@ -330,7 +333,8 @@ static inline {p}_step {p}_update({p} *f, const {number} psi[{d}], {number} y) {
         fmt::arg("math", of_math ? (what.in_double ? ", no libm but sqrt" : ", no libm but sqrtf") : ", no libm"),
         fmt::arg("include_math", of_math ? "#include <math.h>\n" : ""), fmt::arg("memory", memory),
         fmt::arg("fields", fields), fmt::arg("valid", valid.text), fmt::arg("start", start.text),
-        fmt::arg("update", update.text), fmt::arg("misra", misra));
+        fmt::arg("update", update.text), fmt::arg("misra", misra),
+        fmt::arg("mantissa", what.in_double ? "DBL_MANT_DIG != 53" : "FLT_MANT_DIG != 24"));
     if (r.theta >= 0)
         out += fmt::format(R"c(
 // Solves for theta.
