@@ -4,9 +4,11 @@
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/delay_line.hpp>
+#include <rlslab/adapt/excitation.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
+#include <rlslab/adapt/sample.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/core/random.hpp>

@@ -131,6 +131,13 @@ TEST(Sample, IsOfPOfEveryVariantThatStoresARoot) {
     });
     EXPECT_EQ(with_a_root, 11);
 }
+/// A factor of P, or of its inverse.
+struct Given {
+    using scalar = double;
+    Stored<double> held;
+    Stored<double> stored() const { return held; }
+    Vector<double> theta() const { return Vector<double>::Zero(held.F.rows()); }
+};
 TEST(Sample, IsNaNWhereThetaOrPIsNone) {
     auto const all_nan = [](auto const& f) {
         for (double const x : draws(f, 1, 2, 1))
@@ -162,6 +169,13 @@ TEST(Sample, IsNaNWhereThetaOrPIsNone) {
             EXPECT_TRUE(all_nan(f)) << F::name;
         }
     });
+    for (bool const covariance : {true, false})
+        for (double const last : {1.0, -1e-9, double(NAN), double(INFINITY)}) {
+            Given indefinite{stored_of<double>(covariance, Matrix<double>::Identity(d, d))};
+            indefinite.held.D = Vector<double>::Ones(d);
+            indefinite.held.D[d - 1] = last;
+            EXPECT_EQ(all_nan(indefinite), last != 1) << covariance << last;
+        }
     for (double const scale : {-1.0, double(NAN), double(INFINITY)})
         EXPECT_THROW(draws(warm<Ud<double>>(), 1, 2, scale), std::invalid_argument);
     EXPECT_THROW(sample(warm<Ud<double>>(), 1, -1, 1.0, nullptr), std::invalid_argument);
@@ -169,12 +183,6 @@ TEST(Sample, IsNaNWhereThetaOrPIsNone) {
 
 // --- the least excited direction -------------------------------------------------------------------------------------
 
-/// A factor of P, or of its inverse.
-struct Given {
-    using scalar = double;
-    Stored<double> held;
-    Stored<double> stored() const { return held; }
-};
 struct Found {
     Vector<double> u;
     double deviation, ratio;
@@ -204,7 +212,7 @@ bool certified(Found const& f, Matrix<double> const& P) {
 }
 TEST(LeastExcited, IsALowerBoundOfTheLargestEigenvalue) {
     Seed seed{11};
-    int trials = 0, close = 0;
+    int trials = 0, close = 0, with_the_transpose = 0;
     double worst = 1;
     for (Index size : {1, 2, 3, 5, 8, 16})
         for (int trial = 0; trial < 100; ++trial) {
@@ -221,12 +229,15 @@ TEST(LeastExcited, IsALowerBoundOfTheLargestEigenvalue) {
             Found const report = found(f, size), other = found(g, size);
             EXPECT_TRUE(certified(report, P)) << size << " " << report.ratio << " " << largest_eigenvalue(scaled(P));
             EXPECT_NEAR(other.ratio / report.ratio, 1, 1e-6);  // one triangle but for signs, by its inverse
+            Given const transposed{stored_of<double>(true, Matrix<double>(f.stored().F.transpose()))};
+            with_the_transpose += size > 1 && certified(found(transposed, size), P);
             double const share = report.ratio / largest_eigenvalue(scaled(P));
             worst = std::min(worst, share);
             ++trials, close += share > 0.9;
         }
     EXPECT_GT(close, trials * 9 / 10) << close << " of " << trials;
     EXPECT_GT(worst, 0.7);
+    EXPECT_LT(with_the_transpose, trials / 50) << "the law knows a wrong factor";
 }
 /// The first start, the largest column, is at right angles to the direction; the second finds it.
 TEST(LeastExcited, IsFoundFromAStartAtRightAngles) {

@@ -50,6 +50,10 @@ TEST(CAllocation, NoUpdateTouchesTheHeap) {
                 }
                 rlslab_update_many(filter, psi.data(), rows, 0, y.data(), steps.data());
                 rlslab_pass_time(filter, &step);
+                for (double const weight : {0.5, 1.0, 0.0, -1.0}) {
+                    rlslab_update_weighted(filter, psi.data(), y[0], weight, &step);
+                    rlslab_update_weighted_f32(filter, floats.data(), float(y[0]), float(weight), &step);
+                }
                 rlslab_update(nullptr, nullptr, 0, nullptr);
                 EXPECT_EQ(allocations - start, 0) << variant << " " << arithmetic << (guard ? " guarded" : "");
                 rlslab_free(filter);

@@ -109,8 +109,9 @@ public:
     /// Time without a row: P / lambda.
     Step pass_time();
     /// Takes a row of weight w back that the filter holds (rlslab::remove): w = lambda^n for a row n steps old, times
-    /// its own weight. The last row's step stays, and a gain that is stored. w = 0 changes nothing. Refused, and no bit of the state
-    /// has changed: where nothing would remain, w < 0, or a number is not finite. Throws where downdates() is false.
+    /// its own weight. The last row's step stays, and a gain that is stored. w = 0 changes nothing. Refused, and no bit
+    /// of the state has changed: where nothing would remain, w < 0, or a number is not finite. Throws where downdates()
+    /// is false.
     Removal remove(double const* psi, double y, double weight = 1);
     bool downdates() const;  ///< a plain variant, or one with probes, but kalman, extended_qr and qr_block
     /// Appends the rows of `newer`, made without a prior: as if this one had taken them, but for rounding. The step's

@@ -29,9 +29,9 @@ void draw_of(RootOf<T> const& S, T const* theta, T const& scale, T const* z, T* 
 ///
 /// Draw k takes the numbers k d to k d + d - 1 of the stream of Seed{seed}, rounded once to T: it does not depend on n,
 /// and is of the same bits on every machine. f stays as it is. A draw is NaN where the rows do not determine theta, a
-/// D_j is negative, or a number is not finite. f stores a root (RootOf); throws std::invalid_argument for another, n < 0,
-/// and a scale < 0, infinite or NaN. Cost n d^2 multiplications, n d^2/2 from a factor of P^-1; allocates d^2. Sources:
-/// Thompson 1933; Chapelle & Li 2011.
+/// D_j is negative, or a number is not finite. f stores a root (RootOf); throws std::invalid_argument for another, n <
+/// 0, and a scale < 0, infinite or NaN. Cost n d^2 multiplications, n d^2/2 from a factor of P^-1; allocates d^2.
+/// Sources: Thompson 1933; Chapelle & Li 2011.
 template <class F>
 void sample(F const& f, std::uint64_t seed, Index n, typename F::scalar const& scale, typename F::scalar* out) {
     using T = typename F::scalar;
