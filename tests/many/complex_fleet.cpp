@@ -86,7 +86,7 @@ void expect_the_bits(Index d, Index m, bool prior = true) {
     std::string const what = std::string(Beside<V, T>::Own::name) + " of " + std::to_string(d);
     SCOPED_TRACE(what);
     Beside<V, T> both(d, m, prior);
-    for (Index row = 0; row < rows / 2; ++row) both.take(row, row % 3 + 1);
+    for (Index row = 0; row < rows / 2; ++row) both.take(row, unsigned(row % 3 + 1));
     EXPECT_TRUE(both.equal);
     auto const saved = state_of(both.fleet);  // and on, in another
     typename Beside<V, T>::Fleet next(M, both.problem, m);
