@@ -35,7 +35,7 @@ class LeastExcited(NamedTuple):
     def sentence(self) -> str:
         """All of it, in words."""
         if not np.isfinite(self.deviation):
-            return "the rows in the filter's memory do not determine theta"
+            return "the rows in the filter's memory do not determine theta, or P has broken down"
         numbers = ", ".join(f"{x:.2g}" for x in self.direction.tolist())
         return (
             f"the rows in the filter's memory say least along ({numbers}): a standard deviation of "

@@ -114,8 +114,8 @@ public:
     /// is false.
     Removal remove(double const* psi, double y, double weight = 1);
     bool downdates() const;  ///< a plain variant, or one with probes, but kalman, extended_qr and qr_block
-    /// Appends the rows of `newer`, made without a prior: as if this one had taken them, but for rounding. The step's
-    /// health is of all. Throws unless both are qr_block of one arithmetic, size and forgetting.
+    /// Appends the rows of `newer`, made without a prior: as if this one had taken them, but for rounding. health() is
+    /// then of all rows. Throws unless both are qr_block of one arithmetic, size and forgetting.
     void merge(Filter const& newer);
 
     void theta(double* out) const;  ///< d numbers
