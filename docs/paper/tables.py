@@ -295,7 +295,9 @@ def score(claims):
     yield r"\newcommand{\registeredall}{%d}" % len(totals[0])
     narrow = [full[study][text] for study, kind, text, band, _ in claims if narrowly(kind, band)]
     yield r"\newcommand{\narrowall}{%d}" % len(narrow)
-    yield r"\newcommand{\narrowheld}{%d}" % narrow.count("holds")
+    for name, verdict in (("held", "holds"), ("failed", "fails"), ("undecided", "undecided")):
+        yield r"\newcommand{\narrow%s}{%d}" % (name, narrow.count(verdict))
+    yield r"\newcommand{\narrowrest}{%d}" % (len(totals[0]) - len(narrow))
     for study, squares in given.items():
         if squares:
             yield defined("brier@" + study, "%.3f" % (sum(squares) / len(squares)))
