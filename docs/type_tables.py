@@ -38,11 +38,14 @@ sections = [
                                     ("variants/fast/qr_lattice.hpp", "QrLattice")]),
     ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet"),
                                  ("src/rlslab/many/fleet_steps.hpp", "FleetSteps FleetCounts"),
+                                 ("src/rlslab/many/complex_fleet.hpp", "ComplexFleet"),
+                                 ("src/rlslab/many/rolled.hpp", "RollingOptions RollingRows Rolled"),
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
     ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate Removal "
                   "Excitation"),
-                 ("src/catalogue/native/outputs.hpp", "Outputs")]),
+                 ("src/catalogue/native/outputs.hpp", "Outputs"),
+                 ("src/catalogue/native/complex.hpp", "ComplexFleet")]),
     ("A study of your own", [("src/lab/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
                               "Verdict Judgement ()"), ("src/lab/engine/table.hpp", "Table ()"),
                              ("src/lab/engine/judgements.hpp", "Estimate ()"),
@@ -52,6 +55,7 @@ left_out = """
 OneLane Beside MakesFilters RowRing RuleMemory NamedPolicy Removal Remainder RuleDefault RuleRange RuleNumber RecordSize
 RecordWriting RecordReading FleetRecords LaneRows LaneRecord RowsFromTo MpiRanks Encoding FilterEach SharedFilter
 OfOneRegressor NoProbes ProbeOf Probes OlderZ ProbedForm CovarianceTimes Meeting RootOf
+RollingTask RollingPiece RollingPass RowTriangle RowTriangles
 """.split()
 
 

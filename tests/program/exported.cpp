@@ -20,6 +20,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 namespace rlslab {
 
@@ -135,7 +136,7 @@ std::vector<Case> const& cases() {
 
 fs::path const& folder() {
     static fs::path const path = [] {
-        fs::path const out = fs::path(testing::TempDir()) / "exported_c";
+        fs::path const out = fs::path(testing::TempDir()) / ("exported_c." + std::to_string(getpid()));
         fs::create_directories(out);
         return out;
     }();

@@ -219,7 +219,8 @@ class Filter(Stateful, Asked):
         theta: Literal[True],
     ) -> tuple[NDArray[np.void], NDArray[np.floating[Any]]]: ...
     def update_many(
-        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: bool = False, theta: bool = False
+        self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None, steps: bool = False,
+        theta: bool = False,
     ) -> Any:
         """Process many rows, the oldest first, as `update` would one after another.
 

@@ -30,7 +30,7 @@
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "operations are kept longer than their type: other bits (x87: -mfpmath=sse)"
 #endif
-#if FLT_MANT_DIG != 24
+#if defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)
 #error "a float is no IEEE float"
 #endif
 #if defined(__clang__) || !defined(__GNUC__)

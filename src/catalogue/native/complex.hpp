@@ -6,9 +6,9 @@
 
 namespace rlslab::native {
 
-/// M filters of m outputs each (rlslab::ComplexFleet): psi' is the conjugate transpose. Of several threads one at a time
-/// may use it, also to read. Where an argument is refused std::invalid_argument is thrown, in one line, and it is as it
-/// was.
+/// M filters of m outputs each (rlslab::ComplexFleet): psi' is the conjugate transpose. Of several threads one at a
+/// time may use it, also to read. Where an argument is refused std::invalid_argument is thrown, in one line, and it is
+/// as it was.
 class ComplexFleet {
     Index size_, filters_, outputs_;
     std::string_view variant_, arithmetic_;

@@ -188,8 +188,8 @@ std::span<std::string_view const> arithmetics();
 std::span<std::string_view const> guards();
 std::span<std::string_view const> controls();
 
-/// M filters of one variant and one problem, which take a row each at a time: in lockstep (rlslab::Fleet), or, where they
-/// are guarded, windowed, ruled or followed by probes, one after another.
+/// M filters of one variant and one problem, which take a row each at a time: in lockstep (rlslab::Fleet), or, where
+/// they are guarded, windowed, ruled or followed by probes, one after another.
 class Fleet {
     Index size_, filters_;
     std::string_view variant_, arithmetic_;

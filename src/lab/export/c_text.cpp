@@ -334,7 +334,8 @@ static inline {p}_step {p}_update({p} *f, const {number} psi[{d}], {number} y) {
         fmt::arg("include_math", of_math ? "#include <math.h>\n" : ""), fmt::arg("memory", memory),
         fmt::arg("fields", fields), fmt::arg("valid", valid.text), fmt::arg("start", start.text),
         fmt::arg("update", update.text), fmt::arg("misra", misra),
-        fmt::arg("mantissa", what.in_double ? "DBL_MANT_DIG != 53" : "FLT_MANT_DIG != 24"));
+        fmt::arg("mantissa", what.in_double ? "defined(DBL_MANT_DIG) && (DBL_MANT_DIG != 53)"
+                                              : "defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)"));
     if (r.theta >= 0)
         out += fmt::format(R"c(
 // Solves for theta.
