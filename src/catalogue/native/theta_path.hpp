@@ -8,8 +8,8 @@
 namespace rlslab::native {
 
 /// Rows as of Filter::update_many, one after another as Filter::update takes them, with its bits (of qr_block, too).
-/// weights: as many, or null: all 1. theta: room for rows x d numbers, by rows, each as Filter::theta gives it after its
-/// row; NaN while the rows do not determine it. steps: room for all, or null. Returns the last row's step. Cost: an
+/// weights: as many, or null: all 1. theta: room for rows x d numbers, by rows, each as Filter::theta gives it after
+/// its row; NaN while the rows do not determine it. steps: room for all, or null. Returns the last row's step. Cost: an
 /// update and a theta a row; of qr, gentleman and information each theta is a solution, d^2/2 multiplications or more.
 template <class X>
 Step update_many(Filter& filter, X const* psi, Index rows, Index stride, X const* y, X const* weights, Step* steps,
