@@ -66,7 +66,8 @@ inline PyObject* sample(PyObject* self, PyObject* args) {
     if (!PyArg_ParseTuple(args, "KndO", &seed, &n, &scale, &to)) return nullptr;
     return with<Filter>(self, [&](Filter& f) -> PyObject* {
         View out;
-        if (!view_of_output(out, to, n * f.size())) return nullptr;
+        Py_ssize_t const most = PY_SSIZE_T_MAX / 16 / f.size();
+        if (!view_of_output(out, to, (0 <= n && n <= most ? n : most) * f.size())) return nullptr;
         f.sample(seed, n, scale, out.data<double>());
         return Py_NewRef(Py_None);
     });

@@ -38,11 +38,14 @@ PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n) {
     native::Index missing = 0;
     if (ok) {
         char const kind = views->psi.kind();
-        Py_ssize_t const M = rows * f.filters(), m = M * f.outputs(), unit = kind == 'f' ? 4 : 8;
-        bool const fits = kind && kind == views->y.kind() && views->psi.aligned() && views->y.aligned() &&
-                          views->psi.buffer.len == 2 * M * f.size() * unit && views->y.buffer.len == 2 * m * unit &&
-                          views->innovation.buffer.len == 16 * m && views->residual.buffer.len == 16 * m &&
-                          views->gamma.buffer.len == 8 * M && views->health.buffer.len == 4 * M;
+        Py_ssize_t const most = PY_SSIZE_T_MAX / 64 / f.filters() / (f.size() + f.outputs());
+        Py_ssize_t const M = (0 <= rows && rows <= most ? rows : 0) * f.filters(), m = M * f.outputs(),
+                         unit = kind == 'f' ? 4 : 8;
+        bool const fits = 0 <= rows && rows <= most && kind && kind == views->y.kind() && views->psi.aligned() &&
+                          views->y.aligned() && views->psi.buffer.len == 2 * M * f.size() * unit &&
+                          views->y.buffer.len == 2 * m * unit && views->innovation.buffer.len == 16 * m &&
+                          views->residual.buffer.len == 16 * m && views->gamma.buffer.len == 8 * M &&
+                          views->health.buffer.len == 4 * M;
         if (!fits) PyErr_SetString(PyExc_ValueError, "psi, y and steps do not fit together");
         ok = fits && native_of<ComplexFleet>(self);
         ComplexFleet::Steps const to{views->innovation.data<double>(), views->residual.data<double>(),

@@ -107,3 +107,14 @@ def test_what_is_none_is_refused_in_a_line(wrong, error, words):
         wrong(f)
     assert words in str(caught.value) and "\n" not in str(caught.value)
     assert f.state == before
+
+
+def test_masked_and_ragged_lists_are_refused():
+    row = np.ma.masked_array([1.0, 9.0], [0, 1])
+    f = rlslab.Ud(2, dtype="complex128")
+    for given in ([row, row], [[1.0, np.ma.masked], [1, 2]]):
+        with pytest.raises(TypeError, match="masked"):
+            f.update_many(given, [1, 2])
+    with pytest.raises(ValueError, match="differ in length"):
+        f.update_many([[1, 2], [3]], [1, 2])
+    assert f.theta.tolist() == [0, 0]

@@ -289,7 +289,7 @@ def test_missing_groups():
         ({"returns": ("theta", 3)}, TypeError, "answer"), ({"groups": [1, 2]}, ValueError, "groups has shape"),
         ({"groups": np.zeros((4, 1))}, ValueError, "groups has shape"), ({"groups": 5}, ValueError, "groups has shape"),
         ({"groups": np.ma.array([1, 2, 3, 4])}, TypeError, "masked"),
-        ({"groups": [[1], [2], [3], [4]]}, TypeError, "unhashable"),
+        ({"groups": [[1], [2], [3], [4]]}, TypeError, "groups holds"),
     ],
 )  # fmt: skip
 def test_options_that_are_none(options, error, words):
@@ -401,3 +401,25 @@ def test_statsmodels_and_pandas_agree():
     corr = x.rolling(30, 3).corr(y)
     own = np.sign(found.theta[1]) * np.sqrt(found.r2)
     np.testing.assert_allclose(own[corr.notna()], corr[corr.notna()], rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("groups", "rows"),
+    [
+        ([float("nan"), "a", "a"], [np.nan, 1, 2]),
+        ([1, "1", 2], [1, 1, 1]),
+        ([True, "True", False], [1, 1, 1]),
+        ([2**53, 2**53 + 1, 0.5], [1, 1, 1]),
+        (["a", "a\0", "b"], [1, 1, 1]),
+        ((None, "a", "a"), [np.nan, 1, 2]),
+        ([("a", 1), ("a", 1), "a"], [1, 2, 1]),
+    ],
+)
+def test_groups_of_a_list_are_what_they_are(groups, rows):
+    found = rlslab.rolling([1.0, 2, 3], [1.0, 2, 3], groups=groups, returns="rows").rows
+    assert np.array_equal(found, np.array(rows, float), equal_nan=True)
+
+
+def test_a_group_that_is_none_is_named():
+    with pytest.raises(TypeError, match="groups holds list"):
+        rlslab.rolling([1.0, 2], [1.0, 2], groups=[[1], [1]])

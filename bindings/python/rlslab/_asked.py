@@ -202,7 +202,7 @@ class Asked(_core.Filter):
         count, start = _options.whole(n, "n"), operator.index(seed)
         if count < 0 or not 0 <= start < 2**64:
             raise ValueError("n is >= 0, and seed from 0 to 2^64 - 1")
-        _options.expect_memory(count * self.size)
+        _options.expect_memory(2 * count * self.size)    # float64 first
         out = np.empty((count, self.size))
         self._sample(start, count, _options.real(scale, "scale"), out)
         return out.astype(self.dtype, copy=False)

@@ -114,9 +114,10 @@ class Complex(Stateful, _core.Complex):
         M, m = self.filters, self.outputs
         return () if M is None else (M,), () if m is None else (m,)
 
-    def _taken(self, rows: tuple[int, ...], psi: ArrayLike, y: ArrayLike, name: str) -> ComplexSteps:
+    def _taken(self, many: bool, psi: ArrayLike, y: ArrayLike, name: str) -> ComplexSteps:
         lead, tail = self._axes()
         P, v = numbers(psi, name), numbers(y, "y")
+        rows = (P.shape[:1] or (0,)) if many else ()
         for array, called, shape in ((P, name, (*lead, self.size)), (v, "y", lead + tail)):
             if array.shape != rows + shape:
                 wanted = str(("n", *shape) if rows else shape).replace("'n'", "n")
@@ -156,14 +157,14 @@ class Complex(Stateful, _core.Complex):
         >>> f.update(np.ones((3, 2)), 1j * np.ones((3, 2))).innovation.shape
         (3, 2)
         """
-        return self._taken((), psi, y, "psi")
+        return self._taken(False, psi, y, "psi")
 
     def update_many(self, Psi: ArrayLike, y: ArrayLike) -> ComplexSteps:
         """Process many rows, the oldest first: `update` with an axis of rows in front of each array.
 
         The interpreter's lock is released meanwhile. ValueError for other shapes, before any row is taken.
         """
-        return self._taken(np.shape(Psi)[:1] or (0,), Psi, y, "Psi")
+        return self._taken(True, Psi, y, "Psi")
 
     @property
     def theta(self) -> NDArray[np.complexfloating[Any, Any]]:
@@ -206,11 +207,21 @@ class Complex(Stateful, _core.Complex):
         return f"Complex({', '.join(f'{k}={v!r}' for k, v in self._made.items() if v is not None)})"
 
 
-def numbers(given: ArrayLike, name: str) -> NDArray[np.complexfloating[Any, Any]]:
-    """complex64 or complex128, in this machine's order of bytes; TypeError for what is no number."""
-    if isinstance(given, np.ma.MaskedArray):
-        raise _rows.is_masked(name)
-    array = np.asarray(given)
-    if array.dtype.kind not in "fiubc":
-        raise TypeError(f"{name} holds {array.dtype}, not complex numbers")
+def numbers(given: ArrayLike, name: str) -> NDArray[Any]:
+    """complex64 or complex128, in this machine's order of bytes; what is real as of a real filter."""
+    in_list = given if isinstance(given, (list, tuple)) else ()
+    masked = any(isinstance(part, np.ma.MaskedArray) for part in (given, *in_list))
+    try:
+        masked = masked or (bool(in_list) and any(x is np.ma.masked for x in np.array(given, object).flat))
+        if masked:
+            raise _rows.is_masked(name)
+        array: NDArray[Any] = np.asarray(given)
+    except ValueError:
+        raise ValueError(f"{name} is no table of numbers: its rows differ in length") from None
+    if array.dtype.kind != "c":
+        try:
+            array = _rows.numbers(given, name)
+        except TypeError as error:
+            raise TypeError(str(error).replace("not real numbers", "not complex numbers")) from None
+        return array.astype(np.complex128)
     return array.astype(np.complex64 if array.dtype == np.complex64 else np.complex128, copy=False)

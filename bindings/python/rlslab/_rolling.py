@@ -123,8 +123,8 @@ def rolling(
     statsmodels' RollingOLS: it has theta of the window's other rows, and no residual.
 
     No row is taken out of a sum: what has left the window, be it 1e12, has no effect on any bit. r2 is never outside
-    [0, 1]; it is less y's mean where a column of X is the same number in all rows, as in statsmodels. r2 and t of
-    one regressor beside a constant give the correlation, `np.sign(t) * np.sqrt(r2)`.
+    [0, 1]; it is less y's mean where a column of X is the same number in all rows of all groups. r2 and t of one
+    regressor beside a constant give the correlation, `np.sign(t) * np.sqrt(r2)`.
 
     Computes in float64, rows of float32 too. `rlslab.use_threads(2)` lets two threads share the groups and the
     windows, with the same bits. `docs/rolling.md` has times.
@@ -190,6 +190,19 @@ def _labels(X: Any, y: Any, groups: Any) -> tuple[Any, Any]:
     return index, [X.name if X.name is not None else 0] if "X" in labelled else None
 
 
+def _missing(group: Any) -> bool:
+    """None, NaN, pandas' NA and NaT, a masked one."""
+    if group is None or group is np.ma.masked:
+        return True
+    try:
+        hash(group)
+        return bool(group != group)
+    except TypeError as error:    # NA has no truth
+        if "NA" in str(error):
+            return True
+        raise TypeError(f"groups holds {type(group).__name__}, which is no group: numbers, words or tuples") from None
+
+
 def _codes(groups: Any, rows: int) -> NDArray[np.int64]:
     """A number below `rows` for each group, -1 where it is missing."""
     pandas = sys.modules.get("pandas")
@@ -198,18 +211,16 @@ def _codes(groups: Any, rows: int) -> NDArray[np.int64]:
     if pandas is not None and isinstance(groups, (pandas.Series, pandas.Index, pandas.Categorical)):
         found = pandas.factorize(groups)[0]
     else:
-        try:
-            array = np.asarray(groups)
-        except ValueError:    # tuples of several lengths
-            array = np.empty((0, 0))
-        if isinstance(groups, (list, tuple)) and array.ndim != 1:
-            array = np.empty(len(groups), object)    # tuples are groups, not a table
+        if isinstance(groups, (list, tuple)):    # as they are: numpy would make "1" of 1 beside "a"
+            array = np.empty(len(groups), object)
             array[:] = groups
+        else:
+            array = np.asarray(groups)
         if array.shape != (rows,):
             raise ValueError(f"groups has shape {array.shape}, expected ({rows},) as X has {rows} rows")
         if array.dtype.kind == "O":
             places: dict[Any, int] = {}
-            found = np.array([-1 if g is None or g != g else places.setdefault(g, len(places)) for g in array])
+            found = np.array([-1 if _missing(g) else places.setdefault(g, len(places)) for g in array], np.int64)
         elif array.dtype.kind in "iu" and rows and 0 <= array.min() and array.max() < rows:
             found = array
         else:
