@@ -263,7 +263,9 @@ TEST(NativeCompositions, FleetsOfWhatHasNoneAreRefused) {
     };
     EXPECT_THAT(refused("qr_block", 9, {.size = 2}), HasSubstr("no fleet"));
     EXPECT_THAT(refused("ud", 0, {.size = 2}), HasSubstr("at least one"));
-    EXPECT_THAT(refused("ud", 9, {.size = 2, .guard = "reset"}), HasSubstr("plain variant"));
+    EXPECT_EQ(refused("ud", 9, {.size = 2, .guard = "reset"}), "");
+    EXPECT_THAT(refused("ud", 0, {.size = 2, .guard = "reset"}), HasSubstr("at least one"));
+    EXPECT_THAT(refused("ud", 9, {.size = 2, .window = 5, .control = "kulhavy"}), HasSubstr("takes rows back"));
     EXPECT_THAT(refused("u", 9, {.size = 2}), HasSubstr("no variant"));
     for (std::string_view const variant : native::variants())
         EXPECT_EQ(refused(variant, 9, {.size = 2}).empty(), variant != "qr_block") << variant;

@@ -184,7 +184,7 @@ def test_an_object_that_says_what_number_it_is_is_none():
 
 def test_numbers_of_arguments():
     f = rlslab.Ud(3)
-    for call in (lambda: f.update(), lambda: f.update(PSI[0]), lambda: f.update(PSI[0], 1, 2),
+    for call in (lambda: f.update(), lambda: f.update(PSI[0]), lambda: f.update(PSI[0], 1, 2, 3),
                  lambda: f.update_many(PSI), lambda: f.update(psi=PSI[0], y=1), lambda: f.pass_time(1),
                  lambda: rlslab.Ud(), lambda: rlslab.Ud(2, 3),
                  lambda: rlslab.Ud(2, colour=3), lambda: f._theta(), lambda: f._update_many(PSI, Y)):
