@@ -96,11 +96,12 @@ namespace {
 bool is_name_of_c(std::string_view name) {
     static std::string_view const taken =
         " alignas alignof and asm auto bitand bitor bool break case catch char class compl const constexpr continue "
-        "decltype default delete do double double_t else enum EOF explicit export extern false float float_t for friend "
-        "goto if inline int int8_t int16_t int32_t int64_t linux long main memcmp memcpy memset mutable namespace new "
-        "noexcept not NULL nullptr operator or private protected public register restrict return short signed size_t "
-        "sizeof sqrt sqrtf static struct switch template this thread_local throw true try typedef typeid typename "
-        "typeof uint8_t uint16_t uint32_t uint64_t union unix unsigned using virtual void volatile while xor ";
+        "decltype default delete do double double_t else enum EOF explicit export extern false float float_t for "
+        "friend goto if inline int int8_t int16_t int32_t int64_t linux long main memcmp memcpy memset mutable "
+        "namespace new noexcept not NULL nullptr operator or private protected public register restrict return "
+        "short signed size_t sizeof sqrt sqrtf static struct switch template this thread_local throw true try "
+        "typedef typeid typename typeof uint8_t uint16_t uint32_t uint64_t union unix unsigned using virtual void "
+        "volatile while xor ";
     if (taken.find(fmt::format(" {} ", name)) != taken.npos) return false;
     auto const letter = [](char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z'); };
     return !name.empty() && name.size() <= 31 && letter(name.front()) &&
