@@ -15,8 +15,8 @@
 namespace rlslab::studies {
 namespace {
 
-[[noreturn]] void cannot_write(std::filesystem::path const& path) {
-    throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), std::strerror(errno)));
+[[noreturn]] void cannot_write(std::filesystem::path const& path, int why = errno) {
+    throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), std::strerror(why)));
 }
 
 constexpr char between = '"';  // the lines of a trial: they are CSV in which no cell needs quotes
@@ -126,8 +126,8 @@ Journal::Journal(std::filesystem::path const& folder, std::string const& name, s
 }
 
 void Journal::add(size_t trial, std::vector<std::string> const& lines) {
-    file_ << line_of(trial, lines) << std::flush;
-    if (!file_) cannot_write(path_);
+    if (file_ && !(file_ << line_of(trial, lines) << std::flush)) why_ = errno;
+    if (!file_) cannot_write(path_, why_);
 }
 
 void forget_trials(std::filesystem::path const& folder, std::string const& name) {

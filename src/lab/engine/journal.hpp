@@ -32,6 +32,7 @@ std::string name_of(Part part);
 class Journal {
     std::filesystem::path path_;
     std::ofstream file_;
+    int why_ = 0;  // the first write failed; a later one, of another thread, would find another errno
     std::map<size_t, std::vector<std::string>> finished_;
 
 public:
