@@ -335,7 +335,7 @@ static inline {p}_step {p}_update({p} *f, const {number} psi[{d}], {number} y) {
         fmt::arg("fields", fields), fmt::arg("valid", valid.text), fmt::arg("start", start.text),
         fmt::arg("update", update.text), fmt::arg("misra", misra),
         fmt::arg("mantissa", what.in_double ? "defined(DBL_MANT_DIG) && (DBL_MANT_DIG != 53)"
-                                              : "defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)"));
+                                            : "defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)"));
     if (r.theta >= 0)
         out += fmt::format(R"c(
 // Solves for theta.

@@ -51,7 +51,8 @@ std::string bibtex_of_program() {
         "  author    = {{{{The authors of rlslab}}}},\n"
         "  title     = {{rlslab: which variant of recursive least squares can be trusted}},\n"
         "  version   = {{{}}},\n"
-        "  year      = {{" RLSLAB_YEAR "}},\n"
+        "  year      = {{" RLSLAB_YEAR
+        "}},\n"
         "  note      = {{revision {}}}\n"
         "}}\n",
         report::version, report::revision);
