@@ -126,4 +126,13 @@ rlslab_status Request::refused() const noexcept try {
     return RLSLAB_MEMORY;
 }
 
+native::Index index(std::size_t count) noexcept { return native::Index(std::min(count, std::size_t(PTRDIFF_MAX))); }
+rlslab_status no_filter(std::size_t m, std::size_t filters) noexcept {
+    return failed(RLSLAB_INVALID, "no filter %zu; there are %zu, from 0", m, filters);
+}
+rlslab_status other_matrix(std::string_view variant, bool covariance) noexcept {
+    return failed(RLSLAB_ABILITY, "%s reports the %s", variant.data(),
+                  covariance ? "information, not the covariance" : "covariance, not the information");
+}
+
 }  // namespace rlslab::c

@@ -53,6 +53,12 @@ rlslab_status has_bytes(std::size_t bytes) noexcept;
 /// Whether the state fits into the room.
 rlslab_status has_room(std::size_t size, std::size_t room) noexcept;
 
+/// As a number of the native layer, which refuses what is beyond memory.
+native::Index index(std::size_t count) noexcept;
+/// That filter m is not one of so many; that a variant reports the other matrix than this one.
+[[gnu::cold]] rlslab_status no_filter(std::size_t m, std::size_t filters) noexcept;
+[[gnu::cold]] rlslab_status other_matrix(std::string_view variant, bool covariance) noexcept;
+
 /// The state of a filter or of a fleet: its bytes, 0 where memory is not enough to count them; written; read.
 template <class Native>
 std::size_t state_size(Native const& native) noexcept {

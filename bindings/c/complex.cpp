@@ -15,11 +15,7 @@ native::ComplexFleet const& of(rlslab_complex const* f) { return *reinterpret_ca
 rlslab_complex* handle(std::unique_ptr<native::ComplexFleet> f) {
     return reinterpret_cast<rlslab_complex*>(f.release());
 }
-native::Index index(std::size_t count) { return native::Index(std::min(count, std::size_t(PTRDIFF_MAX))); }
 bool has(rlslab_complex const* f, std::size_t i) { return i < rlslab_complex_filters(f); }
-rlslab_status no_filter(rlslab_complex const* f, std::size_t i) {
-    return failed(RLSLAB_INVALID, "no filter %zu; there are %zu, from 0", i, rlslab_complex_filters(f));
-}
 
 template <class T>
 rlslab_status update(rlslab_complex* f, T const* psi, T const* y, std::size_t rows, rlslab_complex_steps const* steps,
@@ -40,10 +36,8 @@ rlslab_status update(rlslab_complex* f, T const* psi, T const* y, std::size_t ro
 }
 rlslab_status matrix(rlslab_complex const* f, std::size_t i, double* out, bool covariance) noexcept {
     if (!f || !out) return null_among({{"filter", f}, {"out", out}});
-    if (!has(f, i)) return no_filter(f, i);
-    if (of(f).reports_covariance() != covariance)
-        return failed(RLSLAB_ABILITY, "%s reports the %s", of(f).variant().data(),
-                      covariance ? "information, not the covariance" : "covariance, not the information");
+    if (!has(f, i)) return no_filter(i, rlslab_complex_filters(f));
+    if (of(f).reports_covariance() != covariance) return other_matrix(of(f).variant(), covariance);
     return guarded([&] { of(f).matrix(index(i), out); });
 }
 

@@ -19,9 +19,6 @@ rlslab_status update(rlslab_fleet* fleet, T const* psi, T const* y, std::size_t*
     });
 }
 bool has(rlslab_fleet const* fleet, std::size_t m) { return m < rlslab_fleet_filters(fleet); }
-rlslab_status no_filter(rlslab_fleet const* fleet, std::size_t m) {
-    return failed(RLSLAB_INVALID, "no filter %zu; there are %zu, from 0", m, rlslab_fleet_filters(fleet));
-}
 
 }  // namespace
 
@@ -57,7 +54,7 @@ rlslab_status rlslab_fleet_update_f32(rlslab_fleet* fleet, float const* psi, flo
 
 rlslab_status rlslab_fleet_theta(rlslab_fleet const* fleet, std::size_t m, double* out) {
     if (!fleet || !out) return null_among({{"fleet", fleet}, {"out", out}});
-    if (!has(fleet, m)) return no_filter(fleet, m);
+    if (!has(fleet, m)) return no_filter(m, rlslab_fleet_filters(fleet));
     return guarded([&] { of(fleet).theta(native::Index(m), out); });
 }
 std::int32_t rlslab_fleet_health(rlslab_fleet const* fleet, std::size_t m) {
@@ -65,7 +62,7 @@ std::int32_t rlslab_fleet_health(rlslab_fleet const* fleet, std::size_t m) {
 }
 rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, std::size_t m) {
     if (!fleet) return null_among({{"fleet", fleet}});
-    if (!has(fleet, m)) return no_filter(fleet, m);
+    if (!has(fleet, m)) return no_filter(m, rlslab_fleet_filters(fleet));
     return guarded([&] { of(fleet).reset(native::Index(m)); });
 }
 

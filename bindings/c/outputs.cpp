@@ -15,8 +15,6 @@ native::Outputs const& of(rlslab_outputs const* filter) { return *reinterpret_ca
 rlslab_outputs* handle(std::unique_ptr<native::Outputs> filter) {
     return reinterpret_cast<rlslab_outputs*>(filter.release());
 }
-/// As a number of the native layer, which refuses what is beyond memory.
-native::Index index(std::size_t count) { return native::Index(std::min(count, std::size_t(PTRDIFF_MAX))); }
 
 template <class T>
 rlslab_status update(rlslab_outputs* filter, T const* psi, T const* y, rlslab_step* steps) noexcept {
@@ -45,8 +43,7 @@ rlslab_status numbers(rlslab_outputs const* filter, double* out) noexcept {
 rlslab_status matrix(rlslab_outputs const* filter, double* out, bool covariance) noexcept {
     if (!filter || !out) return null_among({{"filter", filter}, {"out", out}});
     if (of(filter).reports_covariance() == covariance) return numbers<&native::Outputs::matrix>(filter, out);
-    return failed(RLSLAB_ABILITY, "%s reports the %s", of(filter).variant().data(),
-                  covariance ? "information, not the covariance" : "covariance, not the information");
+    return other_matrix(of(filter).variant(), covariance);
 }
 
 }  // namespace

@@ -30,16 +30,7 @@ inline PyObject* remove(PyObject* self, PyObject* args) {
     });
 }
 inline PyObject* merge(PyObject* self, PyObject* newer) {
-    if (!PyObject_TypeCheck(newer, filter_itself)) {
-        PyErr_SetString(PyExc_TypeError, "merge takes a filter of one output");
-        return nullptr;
-    }
-    if (!native_of<Filter>(self) || !native_of<Filter>(newer)) return nullptr;
-    Filter const& part = *Holder<Filter>::of(newer)->native;
-    Holder<Filter>::of(newer)->busy = true;
-    bool const ok = without_lock<Filter>(self, [&](Filter& f) { f.merge(part); });
-    Holder<Filter>::of(newer)->busy = false;
-    return ok ? Py_NewRef(Py_None) : nullptr;
+    return merged<Filter>(self, newer, filter_itself, "merge takes a filter of one output");
 }
 /// (Psi, out): float64, Psi as rlslab._rows.block leaves it, a number of out for each row.
 inline PyObject* variance(PyObject* self, PyObject* const* args, Py_ssize_t n) {

@@ -104,15 +104,9 @@ PyGetSetDef members[] = {
     {"variant", text<ComplexFleet, &ComplexFleet::variant>, nullptr, "The variant's name.", nullptr},
     {"_reports_covariance", reports_covariance, nullptr, nullptr, nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr}};
-PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},
-                       {Py_tp_dealloc, reinterpret_cast<void*>(Held::drop)},
-                       {Py_tp_methods, methods},
-                       {Py_tp_getset, members},
-                       {0, nullptr}};
-PyType_Spec spec{"rlslab._core.Complex", sizeof(Held), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE, slots};
 
 }  // namespace
 
-PyObject* complex_type() { return PyType_FromSpec(&spec); }
+PyObject* complex_type() { return type_of<ComplexFleet>("rlslab._core.Complex", make, methods, members); }
 
 }  // namespace rlslab::python

@@ -372,12 +372,6 @@ PyGetSetDef members[] = {
      "outliers, changes, windups, breakdowns; of a window refactored and since.",
      nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr}};
-PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},
-                       {Py_tp_dealloc, reinterpret_cast<void*>(Held::drop)},
-                       {Py_tp_methods, methods},
-                       {Py_tp_getset, members},
-                       {0, nullptr}};
-PyType_Spec spec{"rlslab._core.Filter", sizeof(Held), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE, slots};
 
 /// A named tuple; with `_fields`, by which pandas knows one.
 PyObject* tuple_type(char const* name, char const* doc, PyStructSequence_Field* fields, int n) {
@@ -398,7 +392,7 @@ PyObject* filter_type() {
         health_words[i] = PyUnicode_InternFromString(std::string(native::name_of_health(i)).c_str());
     for (int i = 0; i < signals; ++i)
         signal_words[i] = PyUnicode_InternFromString(std::string(native::name_of_signal(i)).c_str());
-    PyObject* const out = PyType_FromSpec(&spec);
+    PyObject* const out = type_of<Filter>("rlslab._core.Filter", make, methods, members);
     filter_itself = reinterpret_cast<PyTypeObject*>(out);
     return out;
 }

@@ -99,15 +99,9 @@ PyMethodDef methods[] = {{"_update", as_method(update), METH_FASTCALL, nullptr},
 PyGetSetDef members[] = {{"size", size<Fleet>, nullptr, "The number of parameters d of each filter.", nullptr},
                          {"filters", filters, nullptr, "The number of filters M.", nullptr},
                          {nullptr, nullptr, nullptr, nullptr, nullptr}};
-PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},
-                       {Py_tp_dealloc, reinterpret_cast<void*>(Held::drop)},
-                       {Py_tp_methods, methods},
-                       {Py_tp_getset, members},
-                       {0, nullptr}};
-PyType_Spec spec{"rlslab._core.Fleet", sizeof(Held), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE, slots};
 
 }  // namespace
 
-PyObject* fleet_type() { return PyType_FromSpec(&spec); }
+PyObject* fleet_type() { return type_of<Fleet>("rlslab._core.Fleet", make, methods, members); }
 
 }  // namespace rlslab::python

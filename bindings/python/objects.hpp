@@ -210,6 +210,33 @@ inline bool takes(char const* what, Py_ssize_t n, Py_ssize_t given) {
     return false;
 }
 
+/// A type of the module whose objects hold a Native; null with Python's error set.
+template <class Native>
+PyObject* type_of(char const* name, newfunc make, PyMethodDef* methods, PyGetSetDef* members) {
+    PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},
+                           {Py_tp_dealloc, reinterpret_cast<void*>(Holder<Native>::drop)},
+                           {Py_tp_methods, methods},
+                           {Py_tp_getset, members},
+                           {0, nullptr}};
+    PyType_Spec spec{name, sizeof(Holder<Native>), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE, slots};
+    return PyType_FromSpec(&spec);
+}
+/// The rows of `newer`, an object of `type`, behind those of self, without the lock; `otherwise`: what is said of
+/// another object.
+template <class Native>
+PyObject* merged(PyObject* self, PyObject* newer, PyTypeObject* type, char const* otherwise) {
+    if (!PyObject_TypeCheck(newer, type)) {
+        PyErr_SetString(PyExc_TypeError, otherwise);
+        return nullptr;
+    }
+    if (!native_of<Native>(self) || !native_of<Native>(newer)) return nullptr;
+    auto* const part = Holder<Native>::of(newer);
+    part->busy = true;
+    bool const ok = without_lock<Native>(self, [&](Native& native) { native.merge(*part->native); });
+    part->busy = false;
+    return ok ? Py_NewRef(Py_None) : nullptr;
+}
+
 /// The types of the module; each returns a new reference, or null with Python's error set.
 PyObject* filter_type();
 PyObject* fleet_type();

@@ -61,16 +61,7 @@ PyObject* update_many(PyObject* self, PyObject* const* args, Py_ssize_t n) {
     return ok ? PyLong_FromLong(health) : nullptr;
 }
 PyObject* merge(PyObject* self, PyObject* newer) {
-    if (!PyObject_TypeCheck(newer, own_type)) {
-        PyErr_SetString(PyExc_TypeError, "merge takes what was made with outputs=");
-        return nullptr;
-    }
-    if (!native_of<Outputs>(self) || !native_of<Outputs>(newer)) return nullptr;
-    Outputs const& part = *Held::of(newer)->native;
-    Held::of(newer)->busy = true;
-    bool const ok = without_lock<Outputs>(self, [&](Outputs& f) { f.merge(part); });
-    Held::of(newer)->busy = false;
-    return ok ? Py_NewRef(Py_None) : nullptr;
+    return merged<Outputs>(self, newer, own_type, "merge takes what was made with outputs=");
 }
 PyObject* add_outputs(PyObject* self, PyObject* more) {
     Py_ssize_t const count = PyLong_AsSsize_t(more);
@@ -117,17 +108,11 @@ PyGetSetDef members[] = {
     {"_reports_covariance", number<&Outputs::reports_covariance>, nullptr, nullptr, nullptr},
     {"_health", number<&Outputs::health>, nullptr, nullptr, nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr}};
-PyType_Slot slots[] = {{Py_tp_new, reinterpret_cast<void*>(make)},
-                       {Py_tp_dealloc, reinterpret_cast<void*>(Held::drop)},
-                       {Py_tp_methods, methods},
-                       {Py_tp_getset, members},
-                       {0, nullptr}};
-PyType_Spec spec{"rlslab._core.Outputs", sizeof(Held), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE, slots};
 
 }  // namespace
 
 PyObject* outputs_type() {
-    PyObject* const out = PyType_FromSpec(&spec);
+    PyObject* const out = type_of<Outputs>("rlslab._core.Outputs", make, methods, members);
     own_type = reinterpret_cast<PyTypeObject*>(out);
     return out;
 }

@@ -208,20 +208,6 @@ class Complex(Stateful, _core.Complex):
 
 
 def numbers(given: ArrayLike, name: str) -> NDArray[Any]:
-    """complex64 or complex128, in this machine's order of bytes; what is real as of a real filter."""
-    in_list = given if isinstance(given, (list, tuple)) else ()
-    masked = any(isinstance(part, np.ma.MaskedArray) for part in (given, *in_list))
-    try:
-        masked = masked or (bool(in_list) and any(x is np.ma.masked for x in np.array(given, object).flat))
-        if masked:
-            raise _rows.is_masked(name)
-        array: NDArray[Any] = np.asarray(given)
-    except ValueError:
-        raise ValueError(f"{name} is no table of numbers: its rows differ in length") from None
-    if array.dtype.kind != "c":
-        try:
-            array = _rows.numbers(given, name)
-        except TypeError as error:
-            raise TypeError(str(error).replace("not real numbers", "not complex numbers")) from None
-        return array.astype(np.complex128)
-    return array.astype(np.complex64 if array.dtype == np.complex64 else np.complex128, copy=False)
+    """complex64 or complex128; what is real as complex128."""
+    array = _rows.numbers(given, name, "fiubc")
+    return array if array.dtype.kind == "c" else array.astype(np.complex128)

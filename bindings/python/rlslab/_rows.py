@@ -20,8 +20,11 @@ def is_masked(name: str) -> TypeError:
     return TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
 
 
-def numbers(given: ArrayLike, name: str) -> Numbers:
-    """An array of float64 or float32 in this machine's order of bytes; TypeError for what is no real number."""
+def numbers(given: ArrayLike, name: str, kinds: str = "fiub") -> NDArray[Any]:
+    """An array of float64 or float32 in this machine's order of bytes; TypeError for what is no real number.
+
+    Where `kinds` has "c", complex numbers are taken, as complex128 or complex64.
+    """
     if type(given) is np.ndarray and given.dtype.char in "fd" and given.dtype.isnative:
         return given    # at once: of many short blocks most of the time would go below
     in_list = given if isinstance(given, (list, tuple)) else ()
@@ -30,16 +33,18 @@ def numbers(given: ArrayLike, name: str) -> Numbers:
         array: NDArray[Any] = np.asarray(given)
     except ValueError:
         raise ValueError(f"{name} is no table of numbers: its rows differ in length") from None
-    if in_list and array.dtype.kind == "f" and np.isnan(array).any():    # which is what np.ma.masked becomes
+    if in_list and array.dtype.kind in "fc" and np.isnan(array).any():    # which is what np.ma.masked becomes
         masked = masked or any(part is np.ma.masked for part in np.array(given, object).flat)
     if masked:
         raise is_masked(name)
     if array.dtype.names:
         raise TypeError(f"{name} is a structured array: give np.column_stack of the columns that it is to have")
-    if array.dtype.kind not in "fiub" and hasattr(given, "dtypes") and hasattr(given, "to_numpy"):
+    if array.dtype.kind not in kinds and hasattr(given, "dtypes") and hasattr(given, "to_numpy"):
         array = _of_frame(given, name)
-    if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} holds {array.dtype}, not real numbers")
+    if array.dtype.kind not in kinds:
+        raise TypeError(f"{name} holds {array.dtype}, not {'complex' if 'c' in kinds else 'real'} numbers")
+    if array.dtype.kind == "c":
+        return array.astype(np.complex64 if array.dtype == np.complex64 else np.complex128, copy=False)
     if array.dtype in (np.float32, np.float64) and array.dtype.isnative:
         return array
     return array.astype(np.float64)
