@@ -1,13 +1,14 @@
-// What follows from a record, and what is odd about it, for a composition.
-#include <rlslab/catalogue/composition.hpp>
-#include <rlslab/catalogue/composed.hpp>
-
+// A composition in words; what follows from a record, and what is odd about it.
 #include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/catalogue/composed.hpp>
+#include <rlslab/catalogue/composition.hpp>
+#include <rlslab/catalogue/composition_text.hpp>
 #include <rlslab/core/input_error.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace rlslab {
 
@@ -53,6 +54,36 @@ std::vector<std::string> warnings_of(Composition const& c, Index rows, Index par
         out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",
                                   c.window == 1 ? "1 row" : fmt::format("{} rows", c.window), parameters));
     return out;
+}
+
+namespace {
+std::string times(Index n, char const* one, char const* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+
+}  // namespace
+
+std::string composition_text(Composition const& c) {
+    std::vector<std::string> out;
+    if (!c.control.empty()) {
+        std::string text = "control " + c.control;
+        Control const& control = control_named(c.control);
+        for (size_t i = 0; i < c.parameters.size(); ++i)
+            text += fmt::format("{} {} {}", i == 0 ? "," : " and", control.parameters[i].name, c.parameters[i]);
+        out.push_back(text);
+    }
+    if (c.window > 0) out.push_back("window of " + times(c.window, "row", "rows"));
+    if (!c.guard.empty()) out.push_back("guard " + c.guard);
+    return fmt::format("{}", fmt::join(out, "; "));
+}
+
+std::string counts_text(CompositionCounts const& h) {
+    std::vector<std::string> out;
+    if (h.refactored > 0) out.push_back(fmt::format("factored anew {}", times(h.refactored, "time", "times")));
+    if (h.unusable > 0) out.push_back(times(h.unusable, "unusable row", "unusable rows"));
+    if (h.outliers > 0) out.push_back(times(h.outliers, "outlier", "outliers"));
+    if (h.changes > 0) out.push_back(times(h.changes, "change", "changes"));
+    if (h.windups > 0) out.push_back(fmt::format("windup in {}", times(h.windups, "row", "rows")));
+    if (h.breakdowns > 0) out.push_back(times(h.breakdowns, "breakdown met", "breakdowns met"));
+    return fmt::format("{}", fmt::join(out, ", "));
 }
 
 }  // namespace rlslab
