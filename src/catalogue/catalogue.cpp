@@ -17,7 +17,7 @@ struct Lists {
 };
 
 template <int... I>
-Lists const& gathered(std::integer_sequence<int, I...>) {
+Lists& gathered(std::integer_sequence<int, I...>) {
     static Lists lists;  // entries point into it
     std::vector<Instances> all{instances<I>()...};
 #ifdef RLSLAB_LINKS_SPARSE
@@ -36,8 +36,8 @@ Lists const& gathered(std::integer_sequence<int, I...>) {
     return lists;
 }
 
-Lists const& lists() {
-    static Lists const& all = gathered(std::integer_sequence<int, RLSLAB_LINKED>{});
+Lists& lists() {
+    static Lists& all = gathered(std::integer_sequence<int, RLSLAB_LINKED>{});
     return all;
 }
 
@@ -45,6 +45,13 @@ Lists const& lists() {
 
 std::vector<Arithmetic> const& arithmetics() { return lists().arithmetics; }
 std::vector<CatalogueEntry> const& catalogue() { return lists().entries; }
+void add_to_catalogue(CatalogueEntry const& entry) {
+    expects(!find_entry(entry.variant, entry.arithmetic->name), "a name that no variant of that arithmetic has");
+    auto& entries = lists().entries;
+    auto at = entries.end();
+    while (at != entries.begin() && (at - 1)->arithmetic != entry.arithmetic) --at;  // behind the arithmetic's own
+    entries.insert(at, entry);
+}
 
 CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant,
                                  std::string_view arithmetic) {

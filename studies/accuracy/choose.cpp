@@ -16,7 +16,6 @@
 namespace rlslab::studies {
 namespace {
 
-constexpr Index size = 4;
 constexpr int shortest = 4, longest = 53;
 constexpr double three_digits = 3;
 
@@ -38,6 +37,8 @@ double digits(CatalogueEntry const& entry, Problem<double> const& problem, Recor
 /// one from which on all longer ones suffice.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda"), kappa = trial.number("kappa");
+    double const variance = trial.number("c2") * kappa * kappa;
+    Index const size = Index(trial.number("d"));
     Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;  // few, or ten to twenty memories of 0.99
     Records given = graded(size, rows, kappa, trial.seed({"lambda", "kappa", "replicate"}));
     double const scale =
@@ -51,7 +52,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         PrecisionScope const precision(p);
         Arithmetic const& arithmetic = *variable_precision_catalogue().front().arithmetic;
         Problem<double> const problem = as_stored(
-            {.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
+            {.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = variance}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
         CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
         for (Cell const& form : row_forms()) {
@@ -124,8 +125,12 @@ extern Study const choose{
         "forgetting the conventional form ends at some step in any arithmetic; after these twenty memories it needs 43 "
         "bits even for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke "
         "down.",
-    .data = "graded rows, d = 4, P0 = kappa^2",
-    .factors = {{"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(20), counted(11)}},
+    .data = "graded rows, P0 = c2 kappa^2",
+    .factors = {{"d", {4.0}},
+                {"c2", {1.0}},
+                {"lambda", {1.0, 0.99}},
+                {"kappa", powers(2, 0, 20, 2)},
+                {"replicate", counted(20), counted(11)}},
     .admits =
         [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("kappa") == 1; },
     .measures = {"variant", "log2_kappa", "bits", "digits", "kept", "needed", "half"},

@@ -162,7 +162,9 @@ Answer answer(Problem<double> problem, Records const& data, Vector<double> const
 void measure(Trial const& trial, TrialOutput& out) {
     double const kappa = trial.number("kappa");
     Index const d = Index(trial.number("d")), rows = d * Index(trial.number("memory"));
-    Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = kappa * kappa}};
+    Problem<double> const problem{.size = d,
+                                  .forgetting = trial.number("lambda"),
+                                  .prior = Prior<double>{.variance = trial.number("c2") * kappa * kappa}};
     Matrix<double> const psi = regressors(trial, d, rows), by_rows = psi.transpose();
     Eigen::JacobiSVD<Matrix<double>> const svd(by_rows, Eigen::ComputeThinV);
     Vector<double> const ones = Vector<double>::Ones(d), lengths = by_rows.colwise().norm();
@@ -170,7 +172,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Seed seed = trial.seed({"d", "replicate"});
     Vector<double> generic(d);
     for (double& x : generic) x = seed.bell();
-    double const promised = bound(problem, psi);
+    double const promised = problem.forgetting == 1 ? bound(problem, psi) : undefined<double>();
     for (std::string const direction : {"along v_1", "along v_d", "generic"}) {
         Vector<double> const theta = direction == "generic"     ? generic
                                      : direction == "along v_1" ? Vector<double>(svd.matrixV().col(0))
@@ -263,9 +265,11 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
         "has none. There joseph has about the errors of ud.",
     .data =
         "geometric singular values, one small, one large; in random directions, or as the units of white columns; "
-        "d = 3, 5, 8, 10 or 60 rows a parameter, P0 = kappa^2 I, three directions of theta; 100 seeds: a run of 20 "
+        "d = 3, 5, 8, 10 or 60 rows a parameter, P0 = c2 kappa^2 I, three directions of theta; 100 seeds: a run of 20 "
         "left seven claims undecided, no band moved",
     .factors = {{"d", {3.0, 5.0, 8.0}, {3.0}},
+                {"lambda", {1.0}},
+                {"c2", {1.0}},
                 {"memory", {10.0, 60.0}, {10.0}},
                 {"spectrum", {"geometric", "one small", "one large"}},
                 {"basis", {"rotated", "units"}},

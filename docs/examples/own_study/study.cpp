@@ -1,4 +1,7 @@
 // In float, which form still finds a sensor's curve from our calibration, in whatever order its rows come?
+#include "averaged.hpp"
+
+#include <rlslab/catalogue/erase.hpp>
 #include <rlslab/input/csv.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
@@ -28,7 +31,7 @@ Study const curve{
     .formula = R"tex(\frac{\|\hat\theta - \theta\|}{\|\theta\|} \sim u\,\kappa \quad\text{or}\quad u\,\kappa^2)tex",
     .interpretation = "A factor keeps its digits from any prior; P itself loses them as c^2 grows.",
     .factors = {{"arithmetic", {"float", "double"}},
-                {"variant", {"conventional", "information", "ud", "qr"}},
+                {"variant", {"conventional", "averaged", "information", "ud", "qr"}},
                 {"c2", powers(10, 2, 8, 2)},
                 {"replicate", counted(100), counted(20)}},
     .measures = {"error"},
@@ -49,4 +52,13 @@ Study const curve{
                 own_result("set after a first run")}},
 };
 
-int main(int argc, char** argv) { return study_main(argc, argv, {curve}); }
+/// A filter of our own stands beside the library's, by its name.
+template <class F>
+static void add() {
+    add_to_catalogue(entry_of<F>(&arithmetic_named(ArithmeticTraits<typename F::scalar>::name, "")));
+}
+
+int main(int argc, char** argv) {
+    add<Averaged<float>>(), add<Averaged<double>>();
+    return study_main(argc, argv, {curve});
+}

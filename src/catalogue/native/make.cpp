@@ -30,7 +30,7 @@ void expect_one_of(Names names, std::string_view given, char const* what) {
 Problem<double> problem_of(Options const& o) {
     Problem<double> out{.size = o.size, .forgetting = o.forgetting, .prior = std::nullopt};
     expects(o.size >= 1, "size >= 1");
-    expects(o.prior_variance >= 0, "prior variance >= 0 (0: no prior)");
+    expects(o.prior_variance >= 0 && std::isfinite(o.prior_variance), "a finite prior variance >= 0 (0: no prior)");
     bool const has_prior = o.prior_variance > 0 || o.prior_covariance;
     expects(has_prior || !o.prior_theta, "a prior variance or covariance beside a prior theta");
     if (!has_prior) return out;

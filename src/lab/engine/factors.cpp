@@ -77,8 +77,10 @@ double number_of(std::string const& study, std::string const& factor, std::strin
     double value = 0;
     auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     bool const number = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+    constexpr std::string_view no_counts[] = {"lambda", "forgetting", "kappa", "P0", "c2"};  // though 1 or 100 is one
     bool const forgets = factor == "lambda" || factor == "forgetting";
-    bool const whole = !forgets && all_numbers(own, [](double x) { return x == std::floor(x); });
+    bool const whole = std::ranges::find(no_counts, factor) == std::end(no_counts) &&
+                       all_numbers(own, [](double x) { return x == std::floor(x); });
     constexpr double most = 1e9;  // of a count
     double least = INFINITY;      // fewer rows or parameters than the study was made for may not be a problem at all
     if (whole)
