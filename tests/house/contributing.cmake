@@ -1,5 +1,5 @@
-# The examples of CONTRIBUTING.md compile as they stand: each C++ block is written to the path that its introduction
-# names, under WORK_DIR, and checked by the compiler against the tree.
+# The example of CONTRIBUTING.md compiles as it stands: its C++ block is written to the path that its introduction
+# names, under WORK_DIR, and checked by the compiler against the tree. (Its variant: docs/examples/own_study.)
 #
 #   CONTRIBUTING  the page        SOURCE_DIR  the tree            WORK_DIR  for the files written here
 #   CXX           the compiler    INCLUDES    folders, | between
@@ -28,20 +28,13 @@ while(TRUE)
   string(REPLACE "<semicolon>" ";" code "${code}")
   string(REPLACE "<open>" "[" code "${code}")
   string(REPLACE "<close>" "]" code "${code}")
-  if(path MATCHES "\\.hpp$")    # a template: all of it is compiled only where it is instantiated
-    string(REGEX MATCH "class ([A-Za-z]+)" class "${code}")
-    string(APPEND code
-        "\n\ntemplate class rlslab::${CMAKE_MATCH_1}<double>;\ntemplate class rlslab::${CMAKE_MATCH_1}<float, 3>;"
-        "\n#include <rlslab/catalogue/erase.hpp>    // what the catalogue needs of it\n"
-        "auto const entry = rlslab::entry_of<rlslab::${CMAKE_MATCH_1}<double>>(nullptr);")
-  endif()
   file(WRITE ${WORK_DIR}/${path}.cpp "${code}\n")
   list(APPEND written ${path})
 endwhile()
 
 list(LENGTH written count)
-if(NOT count EQUAL 2)
-  message(FATAL_ERROR "expected two C++ blocks in ${CONTRIBUTING}, a variant and a study, not ${count}: ${written}")
+if(NOT count EQUAL 1)
+  message(FATAL_ERROR "expected one C++ block in ${CONTRIBUTING}, a study, not ${count}: ${written}")
 endif()
 string(REPLACE "|" ";" folders "${INCLUDES}")
 list(TRANSFORM folders PREPEND -I)
