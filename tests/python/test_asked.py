@@ -243,3 +243,15 @@ def test_rows_of_an_estimator_do_not_merge():
     with pytest.raises(ValueError, match="less its first one"):
         rlslab.QrBlock(5, prior_variance=None).merge(model.filter_)
     assert np.allclose(pickle.loads(pickle.dumps(model)).coef_, model.coef_)
+
+
+@pytest.mark.parametrize("variant", ["qr", "gentleman", "information"])
+def test_a_row_on_which_a_parameter_rests_is_not_removed(variant):
+    g = np.random.default_rng(2)
+    for k in range(100):
+        X = g.standard_normal((100, 4))
+        X[:, 0], X[:, 2], X[k, 2] = 1, 0, 1
+        f = rlslab.filter(variant, 4, prior_variance=None)
+        f.update_many(X, X @ [1, 2, 3, 4] + g.standard_normal(100))
+        before = f.state
+        assert f.remove(X[k], 3.0).refused and f.state == before

@@ -119,3 +119,19 @@ def test_bad_input():
             RecursiveLS(endog, exog)
     with pytest.raises(ValueError):
         RecursiveLS(y, X).conf_int(2)
+
+
+def test_columns_that_depend_but_for_rounding_are_named():
+    g, t = np.random.default_rng(1), np.arange(60.0)
+    x = 1e5 * (1 + 1e-13 * g.standard_normal(60))
+    x[30:] = 1e5 + 10 * g.standard_normal(30)
+    for late in (x, np.exp(0.6 * t), np.exp(0.7 * t), 2**t):
+        X, y = np.column_stack([np.ones(60), late]), g.standard_normal(60) + late
+        try:
+            fit = RecursiveLS(y, X)
+        except ValueError as error:
+            assert "depend on one another but for rounding in its first" in str(error)
+            continue
+        rest = y - X @ np.linalg.lstsq(X, y, rcond=None)[0]
+        assert np.isnan(fit.resid_recursive).sum() == 2
+        np.testing.assert_allclose(fit.scale, rest @ rest / 58, rtol=1e-6)

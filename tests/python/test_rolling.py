@@ -423,3 +423,22 @@ def test_groups_of_a_list_are_what_they_are(groups, rows):
 def test_a_group_that_is_none_is_named():
     with pytest.raises(TypeError, match="groups holds list"):
         rlslab.rolling([1.0, 2], [1.0, 2], groups=[[1], [1]])
+
+
+def test_a_gap_of_any_length_changes_no_answer():
+    y = np.full(5000, np.nan)
+    y[:50] = 1 + np.random.default_rng(0).standard_normal(50)
+    for forgetting, last in ((0.9, 4999), (0.5, 900)):
+        found = rlslab.rolling(np.ones((5000, 1)), y, forgetting=forgetting, returns=("sigma", "t", "error"))
+        for answer in (found.sigma, found.t[:, 0], found.error[:, 0]):
+            np.testing.assert_allclose(answer[49:last], answer[49], rtol=1e-9)
+    assert np.isnan(found.sigma[-1]), "weights below 2^-1000"
+
+
+def test_a_row_that_is_left_out_ends_no_constant():
+    X, y = data(400, 2)
+    expected = rlslab.rolling(X, y, 50, returns=("r2", "sigma"))
+    X, y = np.vstack([X, np.zeros((1, 2))]), np.append(y, np.nan)
+    found = rlslab.rolling(X, y, 50, returns=("r2", "sigma"))
+    np.testing.assert_array_equal(found.r2[:400], expected.r2)
+    np.testing.assert_array_equal(found.sigma[:400], expected.sigma)

@@ -316,3 +316,20 @@ def test_what_holds_no_numbers_is_named(X, y, named):
 def test_an_option_of_the_guard_is_a_number():
     with pytest.raises(ValueError, match="guard_options"):
         rlslab.Ud(2, guard="reset", guard_options={"innovation": np.nan})
+
+
+def test_an_outlier_in_the_first_row_leaves_with_the_window():
+    g = np.random.default_rng(4)
+    X = g.standard_normal((500, 2))
+    y = 1 + X @ [2, 3] + 0.1 * g.standard_normal(500)
+    right = np.linalg.lstsq(np.column_stack([X, np.ones(500)])[-50:], y[-50:], rcond=None)[0]
+    for spoil in ((0, 1e15), (1e12, 1e12), (1e15, 0)):
+        X[0, 0], y[0] = spoil
+        model = RLSRegressor(window=50).fit(X, y)
+        np.testing.assert_allclose([*model.coef_, model.intercept_], right, rtol=1e-12)
+
+
+def test_columns_that_depend_leave_nan():
+    a = np.random.default_rng(0).standard_normal((50, 2))
+    model = RLSRegressor().partial_fit(np.column_stack([a, a.sum(1)]), a[:, 0] ** 2)
+    assert np.isnan(model.coef_).all() and np.isnan(model.intercept_)

@@ -91,8 +91,9 @@ class Asked(_core.Filter):
         -------
         Removal
             ``remaining`` 1 - weight psi'P psi, of the P before: the share of what is known along psi that other rows
-            said; ``noise``, the error that the removal made, in units of u / remaining; ``refused``, remaining <= 0 or
-            NaN: nothing would remain, a number is not finite, or weight < 0. Nothing has changed then.
+            said, with the error of that P; ``noise``, the error that the removal made, in units of u / remaining;
+            ``refused``: nothing would remain but rounding, a number is not finite, or weight < 0. Nothing has changed
+            then, and remaining is 0.
 
         Raises
         ------

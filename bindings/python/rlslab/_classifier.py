@@ -11,7 +11,7 @@ from sklearn.exceptions import NotFittedError  # type: ignore[import]
 from sklearn.utils.multiclass import check_classification_targets  # type: ignore[import]
 from sklearn.utils.validation import check_is_fitted  # type: ignore[import]
 
-from ._linear import Linear, validated
+from ._linear import Linear, reference, validated
 
 Classifier = TypeVar("Classifier", bound="RLSClassifier")
 
@@ -43,7 +43,7 @@ class RLSClassifier(ClassifierMixin, Linear):  # type: ignore[misc]
     intercept_ : ndarray of shape (n_classes,)
     n_features_in_ : int
     filter_ : rlslab.Outputs
-        Its outputs are the classes in the order in which they came, its rows those of X less the first. So it does not
+        Its outputs are the classes in the order in which they came, its rows those of X less the first call's medians. So it does not
         merge: take parts of one-hot Y in `rlslab.QrBlock`.
 
     Examples
@@ -92,7 +92,7 @@ class RLSClassifier(ClassifierMixin, Linear):  # type: ignore[misc]
         self._expect_range(rows, first)
         if first:
             self._start_several(len(new))
-            self._first = rows[0].astype(np.float64) if self.fit_intercept else self._first
+            self._first = reference(rows) if self.fit_intercept else self._first
         elif len(new):
             self.filter_.add_outputs(len(new))
             self._first_y = np.zeros(len(known) + len(new))

@@ -281,7 +281,10 @@ class Filter(Stateful, Asked):
 
     @property
     def theta(self) -> NDArray[np.floating[Any]]:
-        """The estimated parameters, shape (d,), a copy; NaN where the rows do not determine them."""
+        """The estimated parameters, shape (d,), a copy; NaN until the rows determine them.
+
+        Where columns depend on one another it may be any number, 1e15 as well: `health` is "undetermined" then.
+        """
         out = np.empty(self.size)
         self._theta(out)
         return out.astype(self.dtype, copy=False)

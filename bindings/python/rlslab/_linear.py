@@ -50,8 +50,15 @@ def validated(estimator: Any, *given: Any, finite: bool = True, labels: bool = F
         raise ValueError(f"{line.rstrip('.')}: leave such rows out{guard}") from None
 
 
+def reference(rows: NDArray[Any]) -> Any:
+    """What is taken off the rows: of each column the median of the last ones, which no single row decides."""
+    last = np.asarray(rows[-1023:], dtype=np.float64)
+    middle = (len(last) - 1) // 2
+    return np.partition(last, middle, axis=0)[middle]
+
+
 class EstimatorsOutputs(Outputs):
-    """Of rows less the estimator's own first one: they do not merge with those of another."""
+    """Of rows less the estimator's own reference: they do not merge with those of another."""
 
     __slots__ = ()
     _merges = False
@@ -68,23 +75,23 @@ class Linear(BaseEstimator):  # type: ignore[misc]
     """What both estimators do: the filter's rows, and several outputs of them."""
 
     filter_: Any
-    _first: NDArray[np.float64]    # the first row, and its y; 0 where no constant takes up what they leave out
+    _first: NDArray[np.float64]    # the reference of the first call's rows, and of y; 0 without a constant
     _first_y: Any
     coef_: NDArray[np.float64]
     intercept_: Any
 
     def _rows(self, X: NDArray[Any]) -> NDArray[Any]:
-        """The filter's rows: less the first one, so that an offset costs no digits, and a 1."""
+        """The filter's rows: less the reference, so that an offset costs no digits, and a 1."""
         rows = np.asarray(X, dtype=np.float64)
         return np.column_stack([rows - self._first, np.ones(len(rows))]) if self.fit_intercept else rows
 
     def _expect_range(self, X: NDArray[Any], first: bool) -> None:
         """Before anything changes: that the filter's rows are numbers of `dtype`."""
         with np.errstate(all="ignore"):
-            rows = np.asarray(X, np.float64) - ((X[0] if first else self._first) if self.fit_intercept else 0.0)
+            rows = np.asarray(X, np.float64) - ((reference(X) if first else self._first) if self.fit_intercept else 0.0)
             if not np.isfinite(rows.astype(self.dtype)).all():
                 name = np.dtype(self.dtype).name
-                raise ValueError(f"a row of X, less the first one, is beyond {name}: no row was taken")
+                raise ValueError(f"a row of X, less the median, is beyond {name}: no row was taken")
 
     def _start_several(self, outputs: int) -> None:
         if self.prior_variance == np.inf:

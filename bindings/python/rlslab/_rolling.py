@@ -122,9 +122,12 @@ def rolling(
     A row with a number that is not finite keeps its place in the window, lets its time pass, and is left out, as in
     statsmodels' RollingOLS: it has theta of the window's other rows, and no residual.
 
-    No row is taken out of a sum: what has left the window, be it 1e12, has no effect on any bit. r2 is never outside
-    [0, 1]; it is less y's mean where a column of X is the same number in all rows of all groups. r2 and t of one
-    regressor beside a constant give the correlation, `np.sign(t) * np.sqrt(r2)`.
+    No row is taken out of a sum: what has left the window, be it 1e12, has no effect on any bit. One thing is asked of
+    all rows of all groups that are not left out: whether a column of X is the same number in them. Beside such a
+    constant r2 is less y's mean, and offsets cost no digits; a row of zeros among them, for padding, ends that. r2 is
+    never outside [0, 1]; with t of one regressor beside a constant it gives the correlation, `np.sign(t) *
+    np.sqrt(r2)`. t, error, sigma and r2 are of squares: columns and y between 1e-150 and 1e150. After a gap so long
+    that the weights are below 2^-1000 sigma, error and t are NaN.
 
     Computes in float64, rows of float32 too. `rlslab.use_threads(2)` lets two threads share the groups and the
     windows, with the same bits. `docs/rolling.md` has times.

@@ -20,7 +20,8 @@ class Outputs(Stateful, _core.Outputs):
     ``rlslab.QrBlock(d, outputs=m)``, or another variant's class, makes one. Each column of theta is that of a filter of
     its own, bit for bit, in blocks where no product or square leaves the arithmetic's range. An output costs a row 2 d
     multiplications more, and 4 d in the forms that solve for theta. `qr_block` takes many rows 256 at a time and
-    `joseph_rank_two` 64, by threads where `rlslab.use_threads` says so.
+    `joseph_rank_two` 64, by threads where `rlslab.use_threads` says so. A block has other roundings than its rows: of
+    `joseph_rank_two` in float32 from the prior of 2^14 P was off by 3 % where row by row it had 7 digits.
 
     Parameters
     ----------
@@ -198,7 +199,10 @@ class Outputs(Stateful, _core.Outputs):
 
     @property
     def theta(self) -> NDArray[np.floating[Any]]:
-        """The estimated parameters, shape (d, m), a copy: ``X @ f.theta`` predicts. NaN where not determined."""
+        """The estimated parameters, shape (d, m), a copy: ``X @ f.theta`` predicts. NaN until determined.
+
+        Where columns depend on one another it may be any number, 1e15 as well: `health` is "undetermined" then.
+        """
         out = np.empty((self.size, self.outputs))
         self._theta(out)
         return out.astype(self.dtype, copy=False)

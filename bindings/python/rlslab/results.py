@@ -42,14 +42,20 @@ def _ranks(X: Floats) -> list[int]:
     return out
 
 
-def _independent(X: Floats) -> list[int]:
+def _independent(scaled: Floats) -> list[int]:
     """Columns, the first ones, on which all others depend."""
-    scaled = _scaled(X)
     out: list[int] = []
-    for j in range(X.shape[1]):
+    for j in range(scaled.shape[1]):
         if np.linalg.matrix_rank(scaled[:, np.array([*out, j])]) > len(out):
             out.append(j)
     return out
+
+
+def _too_near(row: int) -> ValueError:
+    return ValueError(
+        f"columns of exog depend on one another but for rounding in its first {row + 1} rows: take offsets off them (the "
+        "rows less one of them, but for the constant), or begin with other rows"
+    )
 
 
 class RecursiveLS:
@@ -84,7 +90,7 @@ class RecursiveLS:
     Raises
     ------
     ValueError
-        For shapes that do not fit, n <= d, and rows that do not determine theta.
+        For shapes that do not fit, n <= d, rows that do not determine theta, and rows that do but for rounding only.
 
     Examples
     --------
@@ -128,15 +134,21 @@ class RecursiveLS:
         health = f.copy().pass_time().health    # the last step tells of the rows before it
         if health != "sound":
             raise ValueError(beyond if health == "nonfinite" else f"the rows do not determine theta: health {health}")
+        scaled = _scaled(X)
         self.resid_recursive[: ranks[0]] = y[: ranks[0]]    # rows of zeros
         for r, (first, last) in enumerate(zip(ranks, ranks[1:]), 1):
             if last > first + 1:    # rows that r columns predict before the others show
                 seen, of = slice(first + 1, last), filter("qr", r, prior_variance=None)
-                steps = of.update_many(X[:last, _independent(X[:last])], y[:last], steps=True)[seen]
+                columns = _independent(scaled[:last])
+                if len(columns) != r:
+                    raise _too_near(last)
+                steps = of.update_many(X[:last, columns], y[:last], steps=True)[seen]
                 self.resid_recursive[seen] = steps["innovation"] * np.sqrt(steps["gamma"])
         self.nobs, self.df_model, self.df_resid = n, d, n - d
         self.params: Floats = np.asarray(f.theta, dtype=np.float64)
         w = self._seen()
+        if len(w) != n - d:    # the filter asks for more than a rank: a pivot above its own rounding
+            raise _too_near(int(np.flatnonzero(np.isnan(self.resid_recursive))[-1]))
         P = np.empty((d, d))
         with np.errstate(all="ignore"):
             self.scale = float(np.sum(w**2)) / (n - d)

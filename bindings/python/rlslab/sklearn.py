@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, column_or_1d  # type: igno
 
 from . import HEALTHS, SIGNALS, Filter, Outputs, _options, filter
 from ._classifier import RLSClassifier
-from ._linear import EstimatorsQrBlock, Linear, validated, with_advice
+from ._linear import EstimatorsQrBlock, Linear, reference, validated, with_advice
 
 __all__ = ["RLSClassifier", "RLSRegressor"]
 
@@ -50,8 +50,8 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         Rows that a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which
         show theta. NaN for too few rows.
     filter_ : rlslab.Filter, or rlslab.Outputs of several columns of y
-        With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first. So it
-        does not merge with another's.
+        With `fit_intercept` its rows are those of X, and its outputs y, less the medians of the first call's last 1023
+        rows; and a 1. So it does not merge with another's.
 
     Examples
     --------
@@ -119,7 +119,7 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
             self._expect_an_answer(rows, outputs, self._process(rows, outputs), whole)
             return self
         if first and self.fit_intercept:
-            self._first, self._first_y = rows[0].astype(np.float64), outputs[0]
+            self._first, self._first_y = reference(rows), reference(outputs)
         self._take_several(rows, outputs, whole)
         return self
 
@@ -135,7 +135,7 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
                 raise ValueError("return_std is of one column of y")
             return self._predicted(valid)
         rows = self._rows(valid)
-        mean = rows @ self.filter_.theta.astype(np.float64)    # less the first row's y
+        mean = rows @ self.filter_.theta.astype(np.float64)    # less the reference of y
         if not return_std:
             return mean + self._first_y
         along = np.array([self._along(row, y) for row, y in zip(rows, mean)])
@@ -227,8 +227,9 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
 
     def _process(self, X: NDArray[Any], y: NDArray[Any]) -> NDArray[np.void]:
         if not np.isfinite(self._first).all():
-            k = np.argmax(np.isfinite(X).all(axis=1))
-            self._first, self._first_y = X[k].astype(np.float64), np.float64(y[k])
+            seen = np.isfinite(X).all(axis=1)
+            if seen.any():
+                self._first, self._first_y = reference(X[seen]), np.float64(reference(y[seen]))
         steps: NDArray[np.void] = self.filter_.update_many(self._rows(X), y - self._first_y, steps=True)
         squares = self._squares_of(steps)
         if self.window:
@@ -240,6 +241,9 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         self._weight = past * self._weight + float(weights[seen].sum())
         self.noise_variance_ = self._sum / self._weight if self._weight > 0 else np.nan
         theta = self.filter_.theta.astype(np.float64)
+        now = self.filter_ if self.window else self.filter_.copy().pass_time()    # a step tells of the rows before it
+        if self.prior_variance is None and now.health == "undetermined":
+            theta = np.full_like(theta, np.nan)
         self.coef_ = theta[: self.n_features_in_]
         self.intercept_ = 0.0
         if self.fit_intercept:

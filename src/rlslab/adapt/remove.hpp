@@ -7,8 +7,9 @@ namespace rlslab {
 
 /// What the removal of a row did.
 ///   remaining   alpha^2 = 1 - w psi'P psi, of the P before, w the row's weight: the share of the information along psi
-///               that other rows gave. At most 1; <= 0 or NaN: there would be none left, the removal was refused, and
-///               no bit of the state has changed
+///               that other rows gave, with the error of that P: only such a P says how much remains. At most 1; <= 0
+///               or NaN: there would be none left, the removal was refused, and no bit of the state has changed. Of a
+///               form of P^-1, which has no prior to fall back on, nothing remains up to rounding_of_a_pivot<T>()
 ///   noise       the error that the removal itself made, relative to the X after it, in units of u / alpha^2: 1 in a
 ///               factored form and in the normal equations; where P is stored, whose psi'P psi has an error of its own,
 ///               the larger of 1 / alpha^2 and w sum psi_i^2 P_ii, since that error may have made alpha^2 large
@@ -28,15 +29,15 @@ namespace detail {
 /// psi anew: where 1/w overflows, a row may be too light to be seen. That is no removal, and alpha^2 is 1.
 template <class T>
 struct Remainder {
-    T remaining;
+    T remaining, least;
     bool too_light = false;
     template <class Along>
-    Remainder(T const& w, T const& s, Along along) : remaining(-(w * s)) {
+    Remainder(T const& w, T const& s, Along along, T const& nothing = T(0)) : remaining(-(w * s)), least(nothing) {
         if (is_finite(T(T(1) / w))) return;
         too_light = T(1) - w * along() == T(1);
         remaining = T(too_light ? 1 : 0);
     }
-    bool refused() const { return !(T(0) < remaining) || !is_finite(T(T(1) / remaining)); }
+    bool refused() const { return !(least < remaining) || !is_finite(T(T(1) / remaining)); }
     Removal<T> reported() const { return {refused() ? T(0) : remaining, T(1)}; }
 };
 }  // namespace detail
@@ -114,7 +115,7 @@ Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const
     scale(f.x, root, f.x);
     solve_lower(f.L, f.x);
     T const remaining = T(1) - dot(f.x, f.x);
-    if (!(T(0) < remaining)) return {T(0), T(1)};
+    if (!(T(rounding_of_a_pivot<T>()) < remaining)) return {T(0), T(1)};
     T sum = remaining;
     for (Index i = d - 1; i >= 0; --i) {
         T const square = f.x[i] * f.x[i];
@@ -146,7 +147,7 @@ Removal<T> remove(UnitInformation<T, N> f, Regressor<T> psi, T const& y, T const
     scale(f.c, f.c, f.s);
     divide(f.s, f.D, f.s);
     T const inverse = prefix_sums(T(T(-1) / w), f.s, f.f, f.g);
-    detail::Remainder<T> const remainder(w, inverse, [&] { return f.s.view().sum(); });
+    detail::Remainder<T> const remainder(w, inverse, [&] { return f.s.view().sum(); }, T(rounding_of_a_pivot<T>()));
     if (remainder.refused() || remainder.too_light) return remainder.reported();
     divide(f.c, f.f, f.s);
     divide(f.f, f.g, f.f);
@@ -173,7 +174,7 @@ Removal<T> remove(NormalEquations<T, N> f, Regressor<T> psi, T const& y, T const
         xi += square / f.D[i];
     }
     T const remaining = T(1) - w * xi;
-    if (!(T(0) < remaining)) return {T(0), T(1)};
+    if (!(T(rounding_of_a_pivot<T>()) < remaining)) return {T(0), T(1)};
     keep_regressor(psi, f.f);
     for (Index j = 0; j < psi.size(); ++j) {
         T const weighted = w * f.f[j];

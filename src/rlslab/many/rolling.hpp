@@ -141,8 +141,8 @@ class RollingPass {
         std::copy_n(window_.at, d_ + 1, last_at_.data());
         if (!wanted) return;
         if (known && finite) residual = error_of_row(window_.at);
-        double const r = window_.squares / window_.weights, freedom = window_.weights - double(d_) * r;
-        double const sigma = known && window_.taken > d_ && 0 < freedom ? absolute(R(d_, d_)) / square_root(freedom)
+        double const r = window_.share, freedom = window_.weights - double(d_) * r;
+        double const sigma = known && window_.taken > d_ && 0 < freedom && 0x1p-1000 < window_.weights ? absolute(R(d_, d_)) / square_root(freedom)
                                                                         : undefined<double>();
         if (known && (out.t || out.error)) find_errors();
         double moved = window_.at[d_];  // what theta of the constant column owes to `at`
@@ -255,18 +255,18 @@ void run_rolling(RollingTask<X> const& task, std::vector<RollingPiece> const& pi
 ///   (2) N = sum w,  r = sum w^2 / N,   sigma^2 = rho^2 / (N - r d):  RSS / (n - d) where lambda = 1
 ///   (3) error_j = sigma sqrt(r P_jj),   t_j = theta_j / error_j
 ///   (4) residual = y - psi'theta,   innovation = y - psi'theta of the group's row before
-///   (5) r2 = |z|^2 / (|z|^2 + rho^2); where a column is the same number, not 0, in all rows that have one, it is taken
+///   (5) r2 = |z|^2 / (|z|^2 + rho^2); where a column is the same number, not 0, in all rows that count, it is taken
 ///       first, and z's first is left out: y's mean does not count as explained. In [0, 1], whatever the rounding
 ///   (6) beside such a column all others and y are taken less a row of the window, so that offsets cost no digits
 ///
 /// **No row is ever taken back, and no sum is a difference**: a window is the end of one block of W rows and the
 /// beginning of the next, whose triangles are made by adding rows, backwards and forwards, and merged. So a row that is
 /// not in a window has no effect on any bit of its answers, whatever its size (but whether a column is constant is
-/// asked of all rows), and their errors are those of a QR factorisation of the window's rows alone.
+/// asked of all rows that are not left out), and their errors are those of a QR factorisation of the window's rows alone.
 ///
 /// NaN where a window has fewer than `min_periods` rows, or is not full (-1), or does not determine theta: a pivot of R
 /// is not above its rounding, linalg/triangles.hpp, at more than 8192 rows in proportion. sigma, error, t are NaN where
-/// N <= r d; `rows` is how many were not left out. r2 is NaN where y is 0, or constant beside a constant column. What
+/// N <= r d, and where N has worn down to 2^-1000; `rows` is how many were not left out. r2 is NaN where y is 0, or constant beside a constant column. What
 /// is of no group is NaN.
 ///
 /// Computes in binary64; X is float or double. Cost a row: 4 d^2 operations in two rows added, 4/3 d^3 of a merging,
@@ -311,14 +311,20 @@ void rolling(RollingRows<X> const& given, RollingOptions const& options, Rolled 
     Index longest = 0;
     for (size_t g = 0; g < ends.size(); ++g) longest = std::max(longest, ends[g] - (g > 0 ? ends[g - 1] : 0));
 
+    auto const counts = [&](Index row) {
+        bool finite = is_finite(given.y[row]);
+        for (Index j = 0; j < d; ++j) finite = finite && is_finite(given.psi[row * given.stride + j]);
+        return finite;
+    };
     for (Index j = 0; j < d; ++j) {
         X first(0);
         bool constant = task.constant == 0;
         for (size_t i = 0; constant && i < task.order.size(); ++i)
-            if (X const x = given.psi[task.order[i] * given.stride + j]; is_finite(x)) {
-                if (first == X(0)) first = x;
-                constant = x == first && !(x == X(0));
-            }
+            if (X const x = given.psi[task.order[i] * given.stride + j]; !(x == first && !(x == X(0))))  // seldom
+                if (counts(task.order[i])) {
+                    constant = first == X(0) && !(x == X(0));
+                    first = x;
+                }
         if (constant) task.constant = double(first);
         bool const leads = constant && !(first == X(0));
         task.column.insert(leads ? task.column.begin() : task.column.end(), j);

@@ -17,8 +17,8 @@ namespace rlslab::detail {
 /// the first that came: that changes R's first row alone, by at_j R_11 / k, and offsets cost no digits.
 struct RowTriangle {
     double *R, *at;
-    double weights = 0, squares = 0,
-           wear = 1;  // sum w, sum w^2, root of the next row's weight where rows come backwards
+    double weights = 0, share = 0,  // N = sum w, r = sum w^2 / N
+           wear = 1;                // root of the next row's weight where rows come backwards
     Index taken = 0;
 };
 
@@ -41,7 +41,7 @@ public:
     }
     void clear(RowTriangle& t) const {
         std::fill_n(t.R, numbers(), 0.0);
-        t.weights = t.squares = 0;
+        t.weights = t.share = 0;
         t.wear = 1;
         t.taken = 0;
     }
@@ -68,7 +68,7 @@ public:
     void scale(RowTriangle& t, double root, double lambda) const {
         for (Index k = 0; k < columns() * columns(); ++k) t.R[k] *= root;
         t.weights *= lambda;
-        t.squares *= lambda * lambda;
+        t.share *= lambda;
     }
     /// The row [psi y], times root.
     void take(RowTriangle& t, double const* row, double root) {
@@ -76,16 +76,16 @@ public:
         for (Index j = 0; j < columns(); ++j) row_[size_t(j)] = root * (row[j] - t.at[j]);
         reflect<false>(t.R, row_.data());
         double const w = root * root;
+        t.share = (t.share * t.weights + w * w) / (t.weights + w);
         t.weights += w;
-        t.squares += w * w;
         ++t.taken;
     }
     /// Those of b, whose triangle is destroyed.
     void merge(RowTriangle& t, RowTriangle& b) {
         for (Index j = 1; constant_ != 0 && j < columns(); ++j) move(t, j, b.at[j]);
         reflect<true>(t.R, b.R);
+        t.share = (t.share * t.weights + b.share * b.weights) / (t.weights + b.weights);
         t.weights += b.weights;
-        t.squares += b.squares;
         t.taken += b.taken;
     }
 
