@@ -147,7 +147,8 @@ Removal<T> remove(UnitInformation<T, N> f, Regressor<T> psi, T const& y, T const
     scale(f.c, f.c, f.s);
     divide(f.s, f.D, f.s);
     T const inverse = prefix_sums(T(T(-1) / w), f.s, f.f, f.g);
-    detail::Remainder<T> const remainder(w, inverse, [&] { return f.s.view().sum(); }, T(rounding_of_a_pivot<T>()));
+    detail::Remainder<T> const remainder(
+        w, inverse, [&] { return f.s.view().sum(); }, T(rounding_of_a_pivot<T>()));
     if (remainder.refused() || remainder.too_light) return remainder.reported();
     divide(f.c, f.f, f.s);
     divide(f.f, f.g, f.f);

@@ -142,8 +142,9 @@ class RollingPass {
         if (!wanted) return;
         if (known && finite) residual = error_of_row(window_.at);
         double const r = window_.share, freedom = window_.weights - double(d_) * r;
-        double const sigma = known && window_.taken > d_ && 0 < freedom && 0x1p-1000 < window_.weights ? absolute(R(d_, d_)) / square_root(freedom)
-                                                                        : undefined<double>();
+        double const sigma = known && window_.taken > d_ && 0 < freedom && 0x1p-1000 < window_.weights
+                                 ? absolute(R(d_, d_)) / square_root(freedom)
+                                 : undefined<double>();
         if (known && (out.t || out.error)) find_errors();
         double moved = window_.at[d_];  // what theta of the constant column owes to `at`
         for (Index j = 1; j < d_; ++j) moved -= window_.at[j] * theta_[size_t(j)];

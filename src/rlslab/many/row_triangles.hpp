@@ -18,7 +18,7 @@ namespace rlslab::detail {
 struct RowTriangle {
     double *R, *at;
     double weights = 0, share = 0,  // N = sum w, r = sum w^2 / N
-           wear = 1;                // root of the next row's weight where rows come backwards
+        wear = 1;                   // root of the next row's weight where rows come backwards
     Index taken = 0;
 };
 
