@@ -43,7 +43,7 @@ class RLSClassifier(ClassifierMixin, Linear):  # type: ignore[misc]
     intercept_ : ndarray of shape (n_classes,)
     n_features_in_ : int
     filter_ : rlslab.Outputs
-        Its outputs are the classes in the order in which they came, its rows those of X less the first call's medians. So it does not
+        Its outputs are the classes in the order in which they came, its rows those of X less the first. So it does not
         merge: take parts of one-hot Y in `rlslab.QrBlock`.
 
     Examples

@@ -51,10 +51,14 @@ def validated(estimator: Any, *given: Any, finite: bool = True, labels: bool = F
 
 
 def reference(rows: NDArray[Any]) -> Any:
-    """What is taken off the rows: of each column the median of the last ones, which no single row decides."""
-    last = np.asarray(rows[-1023:], dtype=np.float64)
-    middle = (len(last) - 1) // 2
-    return np.partition(last, middle, axis=0)[middle]
+    """What is taken off the rows: the first one; of a column where that is an outlier the median of the last ones."""
+    first, last = np.asarray(rows[0], dtype=np.float64), np.asarray(rows[-1023:], dtype=np.float64)
+    if len(last) < 8:
+        return first
+    with np.errstate(all="ignore"):
+        middle = np.sort(last, axis=0)[(len(last) - 1) // 2]
+        spread = np.sort(abs(last - middle), axis=0)[9 * (len(last) - 1) // 10]
+        return np.where(abs(first - middle) <= 1024 * spread, first, middle)
 
 
 class EstimatorsOutputs(Outputs):
@@ -75,7 +79,7 @@ class Linear(BaseEstimator):  # type: ignore[misc]
     """What both estimators do: the filter's rows, and several outputs of them."""
 
     filter_: Any
-    _first: NDArray[np.float64]    # the reference of the first call's rows, and of y; 0 without a constant
+    _first: NDArray[np.float64]    # the reference, of the first call's rows, and that of y; 0 without a constant
     _first_y: Any
     coef_: NDArray[np.float64]
     intercept_: Any
@@ -91,7 +95,7 @@ class Linear(BaseEstimator):  # type: ignore[misc]
             rows = np.asarray(X, np.float64) - ((reference(X) if first else self._first) if self.fit_intercept else 0.0)
             if not np.isfinite(rows.astype(self.dtype)).all():
                 name = np.dtype(self.dtype).name
-                raise ValueError(f"a row of X, less the median, is beyond {name}: no row was taken")
+                raise ValueError(f"a row of X, less the first one, is beyond {name}: no row was taken")
 
     def _start_several(self, outputs: int) -> None:
         if self.prior_variance == np.inf:

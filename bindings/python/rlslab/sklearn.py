@@ -41,7 +41,8 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
     Attributes
     ----------
     coef_ : ndarray of shape (n_features,), or (m, n_features) of m columns of y
-        NaN after `partial_fit` where the rows so far do not determine them.
+        NaN after `partial_fit` where the rows so far do not determine them (of several columns, and with a window, until
+        they do).
     intercept_ : float, or ndarray of shape (m,)
     n_features_in_ : int
     noise_variance_ : float
@@ -50,8 +51,9 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         Rows that a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which
         show theta. NaN for too few rows.
     filter_ : rlslab.Filter, or rlslab.Outputs of several columns of y
-        With `fit_intercept` its rows are those of X, and its outputs y, less the medians of the first call's last 1023
-        rows; and a 1. So it does not merge with another's.
+        With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first. Where
+        that is an outlier beside the others of its call, their median stands for it. So it does not merge with
+        another's.
 
     Examples
     --------
@@ -241,9 +243,9 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         self._weight = past * self._weight + float(weights[seen].sum())
         self.noise_variance_ = self._sum / self._weight if self._weight > 0 else np.nan
         theta = self.filter_.theta.astype(np.float64)
-        now = self.filter_ if self.window else self.filter_.copy().pass_time()    # a step tells of the rows before it
-        if self.prior_variance is None and now.health == "undetermined":
-            theta = np.full_like(theta, np.nan)
+        if self.prior_variance is None and not self.window:    # a step tells of the rows before it
+            if self.filter_.copy().pass_time().health == "undetermined":
+                theta = np.full_like(theta, np.nan)
         self.coef_ = theta[: self.n_features_in_]
         self.intercept_ = 0.0
         if self.fit_intercept:
