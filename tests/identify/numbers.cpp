@@ -1,43 +1,27 @@
 // Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate
 // loops.
-#include "src/lab/identify/roots.hpp"
-#include "src/lab/identify/structure.hpp"
 #include "tests/common/exact_fit.hpp"
-#include "tests/common/files.hpp"
+#include "tests/identify/said.hpp"
 
 #include <rlslab/reference/certified.hpp>
-
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <numeric>
+#include <rlslab/reference/scatter.hpp>
 
 namespace rlslab {
 using namespace identify;
 using namespace report;
 namespace {
 
-std::string csv(std::vector<Signal> const& columns, std::string header) {
-    for (size_t k = 0; k < columns[0].size(); ++k) {
-        header += '\n';
-        for (size_t j = 0; j < columns.size(); ++j) header += fmt::format("{}{}", j ? "," : "", columns[j][k]);
-    }
-    return header + '\n';
-}
-
-/// A record of two inputs and a constant, its numbers in 64ths.
+/// A record of two inputs and a constant, its numbers in units of 1 / unit.
 struct Trial {
     Signal u, v, y;
-    explicit Trial(Index n, std::uint64_t seed = 5) : u(white_noise(n, Seed{seed})), v(prbs(6, n)) {
+    explicit Trial(Index n, double noise = 0.25, double unit = 64) : u(white_noise(n, Seed{5})), v(prbs(6, n)) {
         DifferenceEquation const model{
             .a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
-        Signal xi = white_noise(n, Seed{seed + 1});
-        for (double& x : xi) x *= 0.25;
-        y = simulate(model, {u, v}, xi);
+        y = simulate(model, {u, v}, times(white_noise(n, Seed{6}), noise));
         for (Signal* x : {&u, &y})
-            for (double& w : *x) w = std::round(64 * w) / 64;
+            for (double& w : *x) w = std::round(unit * w) / unit;
     }
-    std::string text() const { return csv({u, v, y}, "u,v,y"); }
+    std::string text() const { return Data{{"u", "v", "y"}, {u, v, y}}.csv(); }
 };
 
 /// na = 2, u at lags 1 and 2, v at lags 0, 1, 2, and a constant: on the fitted rows, means off as given.
@@ -88,11 +72,10 @@ TEST_F(IdentifyNumbers, Sizes) {
     EXPECT_EQ(m.held_out, held);
     EXPECT_EQ(m.fitted, N);
     EXPECT_EQ(m.order, 2);
-    ASSERT_EQ(m.parameters.size(), size_t(d));
-    std::vector<std::string> names, of;
-    for (Parameter const& p : m.parameters) names.push_back(p.name), of.push_back(p.regressor);
-    EXPECT_EQ(names, (std::vector<std::string>{"a1", "a2", "b0[u]", "b1[u]", "b0[v]", "b1[v]", "b2[v]", "c"}));
-    EXPECT_EQ(of, (std::vector<std::string>{"y[k-1]", "y[k-2]", "u[k-1]", "u[k-2]", "v[k]", "v[k-1]", "v[k-2]", "1"}));
+    std::vector<std::string> names;
+    for (Parameter const& p : m.parameters) names.push_back(p.name + " " + p.regressor);
+    EXPECT_EQ(names, (std::vector<std::string>{"a1 y[k-1]", "a2 y[k-2]", "b0[u] u[k-1]", "b1[u] u[k-2]", "b0[v] v[k]",
+                                               "b1[v] v[k-1]", "b2[v] v[k-2]", "c 1"}));
     for (size_t j : {0u, 1u, 2u}) {
         Rational sum = 0;
         for (size_t k = 0; k < 60; ++k) sum += Rational((j == 0 ? trial.u : j == 1 ? trial.v : trial.y)[k]);
@@ -159,37 +142,29 @@ TEST_F(IdentifyNumbers, ResidualsAndTheirCorrelations) {
     EXPECT_NEAR(std::erfc(m.bound * std::sqrt(double(N)) / std::sqrt(2.0)), 0.01, 1e-14);
 }
 TEST_F(IdentifyNumbers, FitsOfWhatIsPredictedAndSimulated) {
-    auto const percent = [&](auto const& predicted, Index from, Index to) {
-        double mean = 0, missed = 0, spread = 0;
-        for (Index k = from; k < to; ++k) mean += rows.all.y[k] / double(to - from);
-        for (Index k = from; k < to; ++k)
-            missed += std::pow(rows.all.y[k] - predicted(k), 2), spread += std::pow(rows.all.y[k] - mean, 2);
-        return 100 * (1 - std::sqrt(missed / spread));
+    auto const percent = [&](Vector<double> const& predicted, Index from, Index count) {
+        return fit_percent(rows.all.y.segment(from, count), predicted.segment(from, count));
     };
     Vector<double> const one = rows.all.psi.transpose() * theta();
-    EXPECT_NEAR(m.fit_one_step, percent([&](Index k) { return one[k]; }, 0, N), 1e-9);
-    EXPECT_NEAR(m.held_out_one_step, percent([&](Index k) { return one[k]; }, N, N + held), 1e-9);
-    // Simulated: the model's own outputs in place of measured ones, from the two measured before the held-out part.
-    Signal simulated(size_t(N + held), 0.0);
-    auto const past = [&](Index k) { return k < N ? rows.all.y[k] : simulated[size_t(k)]; };
-    for (Index k = N; k < N + held; ++k) {
-        Vector<double> psi = rows.all.psi.col(k);
-        psi[0] = -past(k - 1), psi[1] = -past(k - 2);
-        simulated[size_t(k)] = psi.dot(theta());
-    }
-    EXPECT_NEAR(m.held_out_simulated, percent([&](Index k) { return simulated[size_t(k)]; }, N, N + held), 1e-8);
+    EXPECT_NEAR(m.fit_one_step, percent(one, 0, N), 1e-9);
+    EXPECT_NEAR(m.held_out_one_step, percent(one, N, held), 1e-9);
+    // Simulated: the model's own outputs in place of measured ones, from the two measured before row `from`.
+    auto const simulated = [&](Index from) {
+        Vector<double> out(N + held);
+        for (Index k = 0; k < N + held; ++k) {
+            Vector<double> psi = rows.all.psi.col(k);
+            for (Index lag : {1, 2})
+                if (k - lag >= from) psi[lag - 1] = -out[k - lag];
+            out[k] = psi.dot(theta());
+        }
+        return out;
+    };
+    EXPECT_NEAR(m.held_out_simulated, percent(simulated(N), N, held), 1e-8);
     ASSERT_EQ(m.measured.size(), size_t(N + held));
     EXPECT_DOUBLE_EQ(m.measured[0], trial.y[2]);
     EXPECT_NEAR(m.one_step[7], one[7] + m.means[2], 1e-12);
-    // From the first outputs on.
-    Signal free(size_t(N + held), 0.0);
-    auto const before = [&](Index k) { return k < 0 ? -rows.all.psi(k == -1 ? 0 : 1, 0) : free[size_t(k)]; };
-    for (Index k = 0; k < N + held; ++k) {
-        Vector<double> psi = rows.all.psi.col(k);
-        psi[0] = -before(k - 1), psi[1] = -before(k - 2);
-        free[size_t(k)] = psi.dot(theta());
-        EXPECT_NEAR(m.simulated[size_t(k)], free[size_t(k)] + m.means[2], 1e-9) << k;
-    }
+    Vector<double> const free = simulated(0);
+    for (Index k = 0; k < N + held; ++k) EXPECT_NEAR(m.simulated[size_t(k)], free[k] + m.means[2], 1e-9) << k;
 }
 TEST_F(IdentifyNumbers, PolesZerosAndGains) {
     Vector<double> const t = theta();
@@ -233,29 +208,19 @@ TEST_F(IdentifyNumbers, TheTrajectory) {
     EXPECT_EQ(many.trajectory.back().row, many.fitted);
 }
 
-/// With forgetting: P M P and its degrees of freedom in rationals.
+/// With forgetting: theta in rationals; the scatter is that of tests/model/fit.cpp.
 TEST_F(IdentifyNumbers, WithForgetting) {
     IdentifyOptions o = options();
     o.forgetting = 0.9375, o.variant = "ud", o.p0 = 0x1p60;
     Identified const f = identify::identify(folder.file(trial.text()), o);
     exact_fit::Fit const weighted = exact_fit::of(rows.fitted, Rational(0.9375));
-    Matrix<Rational> M(d, d);
-    for (Index i = 0; i < d; ++i)
-        for (Index j = 0; j < d; ++j) M(i, j) = 0;
-    Rational w = 1, sum = 0, used = 0;
-    for (Index k = N - 1; k >= 0; --k, w *= Rational(0.9375)) {
-        sum += w;
-        for (Index i = 0; i < d; ++i)
-            for (Index j = 0; j < d; ++j)
-                M(i, j) += w * w * Rational(rows.fitted.psi(i, k)) * Rational(rows.fitted.psi(j, k));
-    }
-    Matrix<Rational> const PM = weighted.inverse.lazyProduct(M), PMP = PM.lazyProduct(weighted.inverse);
-    for (Index i = 0; i < d; ++i) used += PM(i, i);
-    EXPECT_NEAR(f.freedom, number(sum - used), 1e-6) << "without a prior: sum w - tr P M";
-    EXPECT_NEAR(f.sigma2 / number(weighted.J / (sum - used)), 1, 1e-6);
+    Scatter const s =
+        scattered({.size = d, .forgetting = 0.9375, .prior = std::nullopt}, rows.fitted, {N}).front().scatter;
+    EXPECT_NEAR(f.freedom, s.freedom, 1e-6);
+    EXPECT_NEAR(f.sigma2 / number(weighted.J) * s.freedom, 1, 1e-6);
     for (Index i = 0; i < d; ++i) {
         EXPECT_NEAR(f.parameters[size_t(i)].value, number(weighted.theta[i]), 1e-9);
-        EXPECT_NEAR(f.parameters[size_t(i)].sd / std::sqrt(number(weighted.J / (sum - used) * PMP(i, i))), 1, 1e-6);
+        EXPECT_NEAR(f.parameters[size_t(i)].sd / (std::sqrt(f.sigma2) * s.sd[i]), 1, 1e-6);
     }
     EXPECT_TRUE(std::isnan(f.aic)) << "the criteria are those of equal weights";
 }
@@ -266,13 +231,7 @@ TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
     IdentifyOptions o = options();
     o.p0.reset();
     for (double const noise : {1.0, 0x1p-6}) {
-        Trial t(90);
-        if (noise < 1) {  // the same system without noise but for rounding
-            DifferenceEquation const model{
-                .a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
-            t.y = simulate(model, {t.u, t.v}, Signal(90, 0.0));
-            for (double& x : t.y) x = std::round(0x1p24 * x) / 0x1p24;
-        }
+        Trial const t = noise < 1 ? Trial(90, 0, 0x1p24) : Trial(90);  // without noise but for rounding
         Identified const f = identify::identify(folder.file(t.text()), o);
         Rows const r(t, f);
         exact_fit::Fit const e = exact_fit::of(r.fitted);

@@ -23,6 +23,16 @@ inline Signal plus(Signal a, Signal const& b, double by = 1) {
     for (size_t k = 0; k < a.size(); ++k) a[k] += by * b[k];
     return a;
 }
+/// scale (e[k] + c1 e[k-1] + ...).
+inline Signal moving_average(Signal const& e, std::vector<double> const& c, double scale) {
+    Signal out(e.size());
+    for (size_t k = 0; k < e.size(); ++k) {
+        out[k] = e[k];
+        for (size_t i = 1; i <= c.size() && i <= k; ++i) out[k] += c[i - 1] * e[k - i];
+        out[k] *= scale;
+    }
+    return out;
+}
 inline Signal sine(Index n, double omega) {
     Signal out(static_cast<size_t>(n));
     for (size_t k = 0; k < out.size(); ++k) out[k] = std::sin(omega * double(k));

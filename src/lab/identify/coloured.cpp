@@ -1,17 +1,15 @@
 // Extended least squares and instrumental variables around ud, over the fitted rows of the equation.
-#include "src/lab/identify/coloured.hpp"
+#include "src/lab/identify/estimate.hpp"
 
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/core/matrices.hpp>
 #include <rlslab/variants/ud.hpp>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 namespace rlslab::identify {
@@ -69,20 +67,25 @@ std::string obstacle_of_instruments(IdentifyOptions const& o, std::vector<Term> 
     return fmt::format("{} rows have all {} instruments: expected a smaller number", rows, Index(all.size()) - q);
 }
 
-/// The prior of the model for its parameters, and `further` for each of `more` that follow.
-Prior<double> prior_of(Estimate const& estimate, int more, double further) {
-    Index const d = Index(estimate.scales.size());
-    Vector<double> P0 = Vector<double>::Constant(d + more, further);
-    for (Index i = 0; i < d; ++i) P0[i] = absolute_square(estimate.c / estimate.scales[size_t(i)]);
-    return {.covariance = Matrix<double>(P0.asDiagonal())};
-}
-
-/// take(row, sample) for each row before `end`, pass(sample) for each sample that has none, from the first row's on.
+/// take(row, sample) for each row, pass(sample) for each sample before `end` that has none, from the first row's on.
 void for_each_sample(Rows const& rows, Index end, auto take, auto pass) {
     Index k = 0;
     for (Index at = rows.records.presample; at < end; ++at)
         if (k < Index(rows.samples.size()) && rows.samples[size_t(k)] == at) take(k++, at - rows.records.presample);
         else pass(at - rows.records.presample);
+}
+
+/// y less the first d terms, less(sample, e) of the residuals e before, for each sample that has a row; NaN for others.
+Vector<double> residuals_of(Rows const& rows, Index samples, Index d, Vector<double> const& theta, auto const& less) {
+    Records const& r = rows.records;
+    Vector<double> e = Vector<double>::Constant(samples, NAN);
+    for (Index k = 0; k < r.rows(); ++k) {
+        Index const at = rows.samples[size_t(k)] - r.presample;
+        double x = r.y[k];
+        for (Index i = 0; i < d; ++i) x -= r.psi(i, k) * theta[i];
+        e[at] = less(x, at, e);
+    }
+    return e;
 }
 
 /// Variance and test of the residuals (NaN: missing), of so many rows; `extra` parameters besides the equation's.
@@ -112,9 +115,8 @@ Vector<double> sandwich(Matrix<double> const& x, Signal const& v, Index freedom)
     Signal const r = correlation(v, v, L);
     Vector<double> out(x.rows());
     for (Index i = 0; i < x.rows(); ++i) {
-        Signal of(size_t(N), 0.0);
-        for (Index k = 0; k < N; ++k) of[size_t(k)] = x(i, k);
-        Signal const s = correlation(of, of, L);
+        Vector<double> const of = x.row(i).transpose();
+        Signal const own(of.begin(), of.end()), s = correlation(own, own, L);
         double sum = r[0] * s[0];
         for (Index lag = 1; lag <= L; ++lag)
             sum += 2 * (1 - double(lag) / double(L + 1)) * r[size_t(lag)] * s[size_t(lag)];
@@ -124,6 +126,13 @@ Vector<double> sandwich(Matrix<double> const& x, Signal const& v, Index freedom)
 }
 
 }  // namespace
+
+Prior<double> prior_of(Estimate const& estimate, int more, double further) {
+    Index const d = Index(estimate.scales.size());
+    Vector<double> P0 = Vector<double>::Constant(d + more, further);
+    for (Index i = 0; i < d; ++i) P0[i] = absolute_square(estimate.c / estimate.scales[size_t(i)]);
+    return {.covariance = Matrix<double>(P0.asDiagonal())};
+}
 
 Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> const& c, Matrix<double> const& P,
                                 double sigma2) {
@@ -146,7 +155,7 @@ Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> c
 
 void expect_cures(IdentifyOptions const& o, Structure const& structure, Record const& record) {
     auto const expect = [](char const* option, std::string const& obstacle) {
-        if (!obstacle.empty()) throw InputError(fmt::format("{}: {}", option, obstacle));
+        if (!obstacle.empty()) refuse("{}: {}", option, obstacle);
     };
     if (o.noise_model) expect("--noise-model", obstacle_of_noise_model(o, structure.terms, record, *o.noise_model));
     if (o.instruments) expect("--instruments", obstacle_of_instruments(o, structure.terms, record, *o.instruments));
@@ -176,10 +185,10 @@ Cured with_noise_model(IdentifyOptions const& options, Structure const& structur
     int const n = *options.noise_model;
     Rows const rows = fitted_rows(structure.terms, record);
     Records const& r = rows.records;
-    Index const d = r.parameters();
+    Index const d = r.parameters(), N = record.fitted - r.presample;
     Cured out{.of_noise = true, .order = n, .rows = r.rows()};
     ExtendedLeastSquares<Ud<double>> f({.size = d + n, .prior = prior_of(estimate, n, 1 / estimate.sigma2)}, n);
-    Matrix<double> phi = Matrix<double>::Zero(d + n, record.fitted - r.presample);
+    Matrix<double> phi = Matrix<double>::Zero(d + n, N);
     for_each_sample(
         rows, record.fitted,
         [&](Index k, Index at) {
@@ -188,24 +197,18 @@ Cured with_noise_model(IdentifyOptions const& options, Structure const& structur
         },
         [&](Index) { f.pass_time(); });
     Vector<double> const theta = f.theta();
-    Vector<double> e = Vector<double>::Constant(record.fitted - r.presample, NAN);
-    for_each_sample(
-        rows, record.fitted,
-        [&](Index k, Index at) {
-            double x = r.y[k];
-            for (Index i = 0; i < d; ++i) x -= r.psi(i, k) * theta[i];
-            for (Index i = 1; i <= std::min<Index>(n, at); ++i)
-                if (!std::isnan(e[at - i])) x -= theta[d + i - 1] * e[at - i];
-            e[at] = x;
-        },
-        [](Index) {});
-    judge(out, structure, e, r.y.cwiseAbs().maxCoeff(), n);
+    judge(out, structure,
+          residuals_of(rows, N, d, theta,
+                       [&](double x, Index at, Vector<double> const& e) {
+                           for (Index i = 1; i <= std::min<Index>(n, at); ++i)
+                               if (!std::isnan(e[at - i])) x -= theta[d + i - 1] * e[at - i];
+                           return x;
+                       }),
+          r.y.cwiseAbs().maxCoeff(), n);
     out.parameters = parameters_of(structure, estimate, theta);
-    std::vector<double> c;
-    for (int i = 1; i <= n; ++i) {
-        c.push_back(theta[d + i - 1]);
-        out.parameters.push_back({fmt::format("c{}", i), fmt::format("e[k-{}]", i), c.back(), NAN, NAN});
-    }
+    std::vector<double> const c(theta.begin() + d, theta.end());
+    for (int i = 1; i <= n; ++i)
+        out.parameters.push_back({fmt::format("c{}", i), fmt::format("e[k-{}]", i), c[size_t(i - 1)], NAN, NAN});
     out.farthest = farthest_from_one(c);
     if (!(out.farthest < 1)) return out;
     Vector<double> const sd = limit_deviations(phi, c, f.filter().covariance(), out.sigma2);
@@ -222,7 +225,7 @@ Cured with_instruments(IdentifyOptions const& options, Structure const& structur
                 N = record.fitted - r.presample;
     Records const zeta{.psi = r.psi.bottomRows(m), .y = r.y, .names = {}, .skipped = 0, .presample = r.presample};
     Cured out{.order = n, .rows = r.rows()};
-    InstrumentalVariables<Ud<double>> f({.size = d, .prior = prior_of(estimate, 0, 0)},
+    InstrumentalVariables<Ud<double>> f({.size = d, .prior = prior_of(estimate)},
                                         {.size = m, .prior = default_prior(zeta, 1).prior()}, q);
     Matrix<double> psihat = Matrix<double>::Zero(d, N);
     for_each_sample(
@@ -233,20 +236,12 @@ Cured with_instruments(IdentifyOptions const& options, Structure const& structur
             for (Index i = 0; i < d; ++i) psihat(i, at) = f.psihat()[i];
         },
         [&](Index) { f.pass_time(); });
-    Vector<double> const theta = f.theta();
-    Vector<double> v = Vector<double>::Constant(N, NAN);
-    Signal known(size_t(N), 0.0);
-    for_each_sample(
-        rows, record.fitted,
-        [&](Index k, Index at) {
-            double x = r.y[k];
-            for (Index i = 0; i < d; ++i) x -= r.psi(i, k) * theta[i];
-            v[at] = known[size_t(at)] = x;
-        },
-        [](Index) {});
+    Vector<double> const theta = f.theta(),
+                         v = residuals_of(rows, N, d, theta, [](double x, Index, auto const&) { return x; });
     judge(out, structure, v, r.y.cwiseAbs().maxCoeff(), 0);
     out.parameters = parameters_of(structure, estimate, theta);
-    Vector<double> const variances = sandwich(f.filter().covariance() * psihat, known, out.rows - d);
+    Vector<double> const variances =
+        sandwich(f.filter().covariance() * psihat, zero_filled(Signal(v.begin(), v.end()), 0, N), out.rows - d);
     for (Index i = 0; i < d; ++i) out.parameters[size_t(i)].sd = std::sqrt(variances[i]);
     return out;
 }

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fmt/format.h>
 
 namespace rlslab::identify {
 using namespace report;
@@ -126,25 +125,25 @@ std::string better_variant(Problem<double> const& problem, Records const& record
 
 using Rank = Remark::Rank;
 
-std::optional<Remark> remark_on_dependence(IdentifyOptions const& options, std::vector<Term> const& terms,
-                                           Records const& records, Scatter const& free,
-                                           Vector<double> const& resolution) {
+/// Whether the record does not determine theta.
+bool remark_on_dependence(std::vector<Remark>& out, IdentifyOptions const& options, std::vector<Term> const& terms,
+                          Records const& records, Scatter const& free, Vector<double> const& resolution) {
     std::vector<Index> const dependent = dependent_but_for_rounding(records, free, resolution);
-    if (dependent.empty()) return {};
+    if (dependent.empty()) return false;
     std::vector<std::string> regressors;
     for (Term const& t : terms) regressors.push_back(t.regressor);
     std::string const names = names_of(dependent, regressors),
                       instead = !options.regressors.empty() || options.inputs.size() > 1
                                     ? "leave out one of " + names
                                     : "a lower order, or a richer input";
-    return Remark{Rank::dependence, sentence_on_dependence(names, instead), instead};
+    out.push_back({Rank::dependence, sentence_on_dependence(names, instead), instead});
+    return true;
 }
 
 /// Remarks about breakdown, rounding and prior. rounded, biased: rounding, or the prior, moves theta by more than its
 /// tolerance. dependent: the record does not determine theta. better: the variant to use instead, or "".
-std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estimate const& estimate, Index parameters,
-                                          bool rounded, bool biased, bool dependent, std::string const& better) {
-    std::vector<Remark> out;
+void remark_on_arithmetic(std::vector<Remark>& out, IdentifyOptions const& options, Estimate const& estimate,
+                          bool rounded, bool biased, bool dependent, std::string const& better) {
     std::string const& variant = options.variant;
     std::string const remedy = "a lower order, fewer samples a second, or a richer input",
                       hardly = fmt::format("{} ({})", remedy,
@@ -157,78 +156,44 @@ std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estima
                                     : fmt::format("--variant {} keeps enough of them on this record", better);
     bool const undetermined = rounded && biased && better.empty();
     if (estimate.failure)
-        out.push_back(
-            {Rank::breakdown,
-             fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, estimate.failure->row,
-                         estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
-                                                                      : "its numbers are no longer finite",
-                         dependent        ? ""
-                         : better.empty() ? ": " + instead
-                                          : fmt::format(": --variant {} does not break down on this record", better)),
-             next});
+        remark(out, Rank::breakdown, next, "{} broke down after row {}: {}. Do not use its numbers{}", variant,
+               estimate.failure->row,
+               estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
+                                                            : "its numbers are no longer finite",
+               dependent        ? ""
+               : better.empty() ? ": " + instead
+                                : fmt::format(": --variant {} does not break down on this record", better));
     else if (undetermined)
-        out.push_back(
-            {Rank::arithmetic,
-             fmt::format(
-                 "the record hardly determines these {} parameters: the prior and the rounding both move them by more "
-                 "than a tenth of what noise does: {}",
-                 parameters, hardly),
-             next});
+        remark(
+            out, Rank::arithmetic, next,
+            "the record hardly determines these {} parameters: the prior and the rounding both move them by more than "
+            "a tenth of what noise does: {}",
+            estimate.parameters.size(), hardly);
     else if (rounded)
-        out.push_back(
-            {Rank::arithmetic,
-             fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead),
-             next});
-    if (biased && !undetermined) {
-        std::string const weaker = options.p0 ? "a larger --p0, or none given" : remedy;
-        out.push_back({Rank::arithmetic,
-                       fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}",
-                                   options.p0 ? weaker : hardly),
-                       weaker});
-    }
-    return out;
+        remark(out, Rank::arithmetic, next, "{} lost digits to rounding, more than a tenth of what noise does: {}",
+               variant, instead);
+    std::string const weaker = "a larger --p0, or none given";
+    if (biased && !undetermined)
+        remark(out, Rank::arithmetic, options.p0 ? weaker : remedy,
+               "the prior moves the estimate by more than a tenth of what noise does: {}",
+               options.p0 ? weaker : hardly);
 }
 
-void expect_independent(std::string const& file, Structure const& structure, Records const& records) {
-    Problem<double> const problem{.size = records.parameters(), .prior = std::nullopt};
+/// The minimiser without prior. Throws InputError where there is none, or where lambda remembers too few rows.
+Scattered without_prior(std::string const& file, IdentifyOptions const& options, Structure const& structure,
+                        Records const& records) {
+    Index const d = records.parameters();
+    Problem<double> problem{.size = d, .prior = std::nullopt};
     CertifiedSolution const exact = certified(problem, records, {records.rows()}).front();
     if (exact.status() != Status::certified)
-        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file,
-                                     structure.structure, exact.rank(), records.parameters()));
-}
-
-/// The minimiser without prior.
-Scattered without_prior(IdentifyOptions const& options, Records const& records) {
-    Index const d = records.parameters();
-    Problem<double> const problem{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
+        refuse("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, structure.structure,
+               exact.rank(), d);
+    problem.forgetting = options.forgetting;
     Scattered out = scattered(problem, records, {records.rows()}).front();
     if (!(out.scatter.freedom >= 1))
-        throw InputError(fmt::format(
+        refuse(
             "--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more",
-            options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
-    return out;
-}
-
-std::vector<TrajectoryPoint> trajectory_of(std::vector<Index> const& checkpoints, Run const& variant,
-                                           std::vector<Scattered> const& exact, double sigma2) {
-    std::vector<TrajectoryPoint> out;
-    for (size_t i = 0; i < exact.size(); ++i)
-        out.push_back(
-            {checkpoints[i],
-             variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
-             std::sqrt(sigma2) * exact[i].scatter.sd});
-    return out;
-}
-
-std::vector<Parameter> parameters_of(std::vector<Term> const& terms, TrajectoryPoint const& last, double freedom,
-                                     double quantile) {
-    std::vector<Parameter> out;
-    for (size_t i = 0; i < terms.size(); ++i) {
-        double const theta = last.theta[Index(i)], sd = last.sd[Index(i)], value = std::isfinite(theta) ? theta : NAN,
-                     reach = quantile * sd, t = value / sd;
-        out.push_back({terms[i].name, terms[i].regressor, value, sd, value - reach, value + reach,
-                       correctly::fisher_tail(1, freedom, t * t)});
-    }
+            options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d)));
     return out;
 }
 
@@ -236,8 +201,7 @@ std::vector<Parameter> parameters_of(std::vector<Term> const& terms, TrajectoryP
 
 Estimation estimate(std::string const& file, IdentifyOptions const& options, Structure const& structure,
                     Records const& records, Vector<double> const& resolution) {
-    expect_independent(file, structure, records);
-    Scattered const free = without_prior(options, records);
+    Scattered const free = without_prior(file, options, structure, records);
     auto const [problem, c, scales] = with_prior(options, records, free);
     std::vector<Index> const checkpoints = checkpoints_of(records);
     std::vector<Scattered> const exact = scattered(problem, records, checkpoints);
@@ -254,28 +218,33 @@ Estimation estimate(std::string const& file, IdentifyOptions const& options, Str
     out.student = scatter.student;
     out.quantile =
         scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : NAN;
-    out.trajectory = trajectory_of(checkpoints, variant, exact, out.sigma2);
-    out.parameters = parameters_of(structure.terms, out.trajectory.back(), out.student, out.quantile);
-    Vector<double> const& sd = out.trajectory.back().sd;
+    auto const rounded_once = [](Reference const& x) { return static_cast<double>(x); };
+    for (size_t i = 0; i < exact.size(); ++i)
+        out.trajectory.push_back({checkpoints[i], variant.theta[i].unaryExpr(rounded_once).cast<double>(),
+                                  std::sqrt(out.sigma2) * exact[i].scatter.sd});
+    auto const& [row, last_theta, sd] = out.trajectory.back();
+    for (size_t i = 0; i < structure.terms.size(); ++i) {
+        Term const& term = structure.terms[i];
+        double const value = std::isfinite(last_theta[Index(i)]) ? last_theta[Index(i)] : NAN,
+                     reach = out.quantile * sd[Index(i)], t = value / sd[Index(i)];
+        out.parameters.push_back({term.name, term.regressor, value, sd[Index(i)], value - reach, value + reach,
+                                  correctly::fisher_tail(1, out.student, t * t)});
+    }
     out.prior_effect = largest_difference(best, unbiased, sd);
     out.digits = std::min(last.theta_digits(theta), 15.95);
     out.digits_worst = std::min(last.theta_digits_worst(theta), 15.95);
 
     std::vector<Remark> remarks;
-    std::optional<Remark> const dependence =
-        remark_on_dependence(options, structure.terms, records, free.scatter, resolution);
-    if (dependence) remarks.push_back(*dependence);
+    bool const dependent = remark_on_dependence(remarks, options, structure.terms, records, free.scatter, resolution);
     Vector<double> const allowed = tolerance(sd, best, regressor_scales(records), 1e-9);
-    bool const rounded = !dependence && !(largest_difference(theta, best, allowed) <= 1),
-               biased = !dependence && !(largest_difference(best, unbiased, allowed) <= 1);
+    bool const rounded = !dependent && !(largest_difference(theta, best, allowed) <= 1),
+               biased = !dependent && !(largest_difference(best, unbiased, allowed) <= 1);
     std::string const better =
-        rounded || (out.failure && !dependence) ? better_variant(problem, records, best, allowed, options.variant) : "";
-    for (Remark& remark :
-         remarks_on_arithmetic(options, out, records.parameters(), rounded, biased, dependence.has_value(), better))
-        remarks.push_back(std::move(remark));
+        rounded || (out.failure && !dependent) ? better_variant(problem, records, best, allowed, options.variant) : "";
+    remark_on_arithmetic(remarks, options, out, rounded, biased, dependent, better);
     if (!(sd.array() >= 0).all())
-        remarks.push_back(
-            {Rank::arithmetic, "the standard deviations could not be worked out to 12 digits and are left out", ""});
+        remark(remarks, Rank::arithmetic, "",
+               "the standard deviations could not be worked out to 12 digits and are left out");
     return {out, {sd, scatter.correlation}, remarks};
 }
 

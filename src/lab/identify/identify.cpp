@@ -1,16 +1,14 @@
 // The steps in order: read, test the inputs, choose a structure, estimate, validate, remark.
-#include "src/lab/identify/identify.hpp"
-
-#include "src/lab/identify/coloured.hpp"
-#include "src/lab/identify/remarks.hpp"
 #include "src/lab/identify/validate.hpp"
 
-#include <rlslab/core/input_error.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
+#include <rlslab/catalogue/composition_text.hpp>
 #include <rlslab/input/times.hpp>
 #include <rlslab/model/outliers.hpp>
 
 #include <algorithm>
-#include <fmt/format.h>
 
 namespace rlslab::identify {
 using namespace report;
@@ -23,43 +21,33 @@ struct InputCheck {
 };
 using Rank = Remark::Rank;
 
-std::string times(Index changes) { return changes == 1 ? "once" : fmt::format("{} times", changes); }
-
 /// Remarks about an input of so many coefficients. u: with its mean, of which the first `fitted` samples count.
-std::vector<Remark> remarks_on_input(std::string const& name, Signal const& u, Index fitted, Excitation const& e,
-                                     Index coefficients) {
-    std::vector<Remark> out;
+void remark_on_input(std::vector<Remark>& out, std::string const& name, Signal const& u, Index fitted,
+                     Excitation const& e, Index coefficients) {
     if (e.order < coefficients)
-        out.push_back(
-            {Rank::excitation,
-             e.order >= 2
-                 ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An input that "
-                               "changes more often, or at more frequencies, supports a higher one",
-                               name, e.order, e.order - 1)
-                 : fmt::format("input {} is exciting of order {} only", name, e.order),
-             "a richer input"});
+        remark(out, Rank::excitation, "a richer input", "input {} is exciting of order {} only{}", name, e.order,
+               e.order < 2 ? ""
+                           : fmt::format(": it supports a model of order {}. An input that changes more often, or at "
+                                         "more frequencies, supports a higher one",
+                                         e.order - 1));
     else if (auto const spike = largest_spike(u, fitted); e.persistent < coefficients && spike.deviations > 10)
-        out.push_back(
-            {Rank::outlier,
-             fmt::format("one value of input {}, in row {}, is {:.2g} standard deviations of the others off their "
-                         "mean, and the estimate rests on the rows that have it. If it is wrong, empty its cell, and "
-                         "it is skipped",
-                         name, spike.row, spike.deviations),
-             fmt::format("look at row {}", spike.row)});
+        remark(out, Rank::outlier, fmt::format("look at row {}", spike.row),
+               "one value of input {}, in row {}, is {:.2g} standard deviations of the others off their mean, and the "
+               "estimate rests on the rows that have it. If it is wrong, empty its cell, and it is skipped",
+               name, spike.row, spike.deviations);
     else if (e.persistent < coefficients)
-        out.push_back({Rank::excitation,
-                       fmt::format("input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise "
-                                   "there decides them. An input that changes more often says more",
-                                   name, times(e.changes), e.persistent),
-                       "a richer input"});
+        remark(
+            out, Rank::excitation, "a richer input",
+            "input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise there decides them. An "
+            "input that changes more often says more",
+            name, e.changes == 1 ? "once" : fmt::format("{} times", e.changes), e.persistent);
     constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one
     if (e.constant_at_start > long_enough && e.changes > 1 && e.order > 0)
-        out.push_back({Rank::whiteness,
-                       fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of "
-                                   "the dynamics; cut them off",
-                                   name, e.constant_at_start, fitted),
-                       fmt::format("cut off the first {} samples", e.constant_at_start)});
-    return out;
+        remark(
+            out, Rank::whiteness, fmt::format("cut off the first {} samples", e.constant_at_start),
+            "input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them "
+            "off",
+            name, e.constant_at_start, fitted);
 }
 
 void expect_supported(Record const& record, IdentifyOptions const& options, InputCheck const& check, Index needed) {
@@ -71,16 +59,16 @@ void expect_supported(Record const& record, IdentifyOptions const& options, Inpu
             reasons.push_back(
                 fmt::format("{} of {} samples of {} are missing, and each leaves out the rows that it is in", missing,
                             record.samples, printable(options.inputs[j])));
-    throw InputError(fmt::format(
-        "{}: {} ({})", record.file,
-        check.supported < 1 ? "the input as it stands in the complete rows does not excite the system: it supports no "
-                              "model of order 1 or more"
-        : options.order
-            ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order,
-                          check.supported)
-            : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}",
-                          needed + 1, check.supported + 1),
-        fmt::join(reasons, "; ")));
+    refuse("{}: {} ({})", record.file,
+           check.supported < 1
+               ? "the input as it stands in the complete rows does not excite the system: it supports no "
+                 "model of order 1 or more"
+           : options.order
+               ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order,
+                             check.supported)
+               : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}",
+                             needed + 1, check.supported + 1),
+           fmt::join(reasons, "; "));
 }
 
 /// An input of m coefficients must be exciting of order m. Throws InputError if the structure is given and not
@@ -103,8 +91,7 @@ InputCheck check_inputs(Record const& record, IdentifyOptions const& options, Pr
         Excitation const e = excitation(longest_run(u, record.fitted), coefficients[j],
                                         {.constant = options.intercept, .progress = part_done});
         if (e.order < coefficients[j]) out.supported = std::min(out.supported, e.order - 1);
-        for (Remark& remark : remarks_on_input(printable(options.inputs[j]), u, record.fitted, e, coefficients[j]))
-            out.remarks.push_back(std::move(remark));
+        remark_on_input(out.remarks, printable(options.inputs[j]), u, record.fitted, e, coefficients[j]);
         out.excitation.push_back(e);
     }
     expect_supported(record, options, out, needed);
@@ -135,21 +122,48 @@ Criteria criteria_of(IdentifyOptions const& options, Estimate const& estimate, R
     return criteria(J, fitted.rows(), fitted.parameters());
 }
 
-std::optional<Tracked> tracked_by(IdentifyOptions const& options, Estimate const& estimate, Rows const& rows,
-                                  double mean) {
-    if (options.composition.empty()) return {};
-    Vector<double> const scales =
-        Eigen::Map<Vector<double> const>(estimate.scales.data(), Index(estimate.scales.size()));
-    Matrix<double> const P0 = (estimate.c / scales.array()).square().matrix().asDiagonal();
-    Problem<double> const problem{
-        .size = P0.rows(), .forgetting = options.forgetting, .prior = Prior<double>{.covariance = P0}};
-    return track(options.composition, options.variant, problem, rows.records, rows.samples, mean, estimate.sigma2,
-                 options.confidence);
-}
-
-std::vector<Remark> joined(std::vector<Remark> a, std::vector<Remark> const& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
+/// The composition of the options along the record. Its numbers that are NaN follow from the data: fortescue's VARIANCE
+/// is sigma^2, reset's VARIANCE the largest of P0. `mean` is added to the output again. Throws InputError if the
+/// variant does not allow the composition.
+Tracked track(IdentifyOptions const& options, Estimate const& estimate, Rows const& rows, double mean) {
+    std::string const& variant = options.variant;
+    Composition composition = options.composition;
+    if (std::string const why = obstacle(composition, variant); !why.empty()) refuse("--variant {}: {}", variant, why);
+    Records const& records = rows.records;
+    Index const d = records.parameters();
+    Problem<double> const problem{.size = d, .forgetting = options.forgetting, .prior = prior_of(estimate)};
+    composition = completed(composition, problem, estimate.sigma2);
+    Tracked out{.text = composition_text(composition), .rows = {}, .fit = NAN, .covered = NAN, .quantile = 0};
+    out.warnings = warnings_of(composition, records.rows(), d);
+    composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
+    out.quantile = normal_quantile(0.5 + options.confidence / 2);
+    auto const filter = composed(composition, variant, "double", problem);
+    Arithmetic const& arithmetic = *find_entry(variant)->arithmetic;
+    Signal measured, predicted;  // measured: NaN for an outlier
+    Index known = 0, within = 0;
+    for (Index k = 0; k < records.rows(); ++k) {
+        Interval<double> const expected = filter->prediction(records.sample(k), out.quantile);
+        double const y = records.y[k];
+        if (std::isfinite(expected.deviation)) ++known, within += expected.low <= y && y <= expected.high;
+        Index const outliers = filter->counts().outliers;
+        filter->update(records.sample(k), y);
+        measured.push_back(filter->counts().outliers == outliers ? y : NAN), predicted.push_back(expected.value);
+        TrackedRow row{rows.samples[size_t(k)] + 1, y + mean,          expected.value + mean, expected.deviation,
+                       filter->noise_variance(),    Vector<double>(d), Vector<double>(d),     filter->counts()};
+        for (Index j = 0; j < d; ++j) {
+            Interval<double> const at = filter->interval(j, out.quantile);
+            row.theta[j] = at.value, row.theta_sd[j] = at.deviation;
+        }
+        if (out.broken == 0) {
+            out.kind = breakdown(*filter, arithmetic);
+            if (out.kind == Health::sound && !row.theta.allFinite()) out.kind = Health::nonfinite;
+            if (out.kind != Health::sound) out.broken = row.row;
+        }
+        out.rows.push_back(std::move(row));
+    }
+    out.fit = fit_of(measured, predicted, 0, records.rows());
+    if (known > 0) out.covered = double(within) / double(known);
+    return out;
 }
 
 }  // namespace
@@ -183,11 +197,12 @@ Identified identify(DataFile const& file, IdentifyOptions const& given, Progress
     out.skipped = rows.records.skipped;
     out.means = record.means;
     out.excitation = inputs.excitation;
-    out.tracked = tracked_by(options, estimation.estimate, rows, record.means.back());
+    if (!options.composition.empty()) out.tracked = track(options, estimation.estimate, rows, record.means.back());
     if (options.noise_model) out.noise_model = with_noise_model(options, structure, record, estimation.estimate);
     if (options.instruments) out.instruments = with_instruments(options, structure, record, estimation.estimate);
     if (!out.ljung_box.white()) out.cure = cure_for(out, record);
-    out.remarks = joined(joined(inputs.remarks, estimation.remarks), remarks_on(out));
+    for (auto const& remarks : {inputs.remarks, estimation.remarks, remarks_on(out)})
+        out.remarks.insert(out.remarks.end(), remarks.begin(), remarks.end());
     std::ranges::stable_sort(out.remarks, {}, [](Remark const& remark) { return std::pair(remark.hint, remark.rank); });
     return out;
 }

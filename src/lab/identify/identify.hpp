@@ -2,9 +2,6 @@
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
-#include "src/lab/identify/order.hpp"
-#include "src/lab/identify/properties.hpp"
-#include "src/lab/identify/tracking.hpp"
 #include "src/lab/report/progress.hpp"
 #include "src/lab/report/provenance.hpp"
 
@@ -14,11 +11,115 @@
 #include <rlslab/model/doubts.hpp>
 #include <rlslab/input/formats/open.hpp>
 #include <rlslab/model/excitation.hpp>
+#include <rlslab/model/signals.hpp>
 
 #include <cmath>
+#include <complex>
 #include <optional>
 
 namespace rlslab::identify {
+
+/// Residuals pass for white at this tail probability or above; an order improves on the one before below it.
+inline constexpr double white_level = 0.01, improvement_level = 0.01;
+
+/// J = sum of squared residuals of d parameters over N rows:
+///   AIC = N ln(J/N) + 2 d      BIC = N ln(J/N) + d ln N      FPE = (J/N) (N + d)/(N - d)
+struct Criteria {
+    double aic, bic, fpe;
+};
+
+/// One order's fit, on the N rows that all orders share.
+struct OrderFit {
+    int order;
+    Index parameters;      ///< d
+    double J;              ///< sum of squared residuals
+    double aic, bic, fpe;  ///< Criteria
+    double p;              ///< F-test against the order before: the tail probability of its improvement
+    double ljung_box;      ///< tail probability of Ljung and Box's Q of the residuals
+    double held_out;       ///< percent of one-step fit on the held-out rows; NaN without such rows
+};
+
+/// The order that each criterion suggests, order 0 included, and the choice. Candidates are the orders from that of the
+/// least BIC on, at least 1, whose residuals pass for white: the one of least BIC is chosen. Without a candidate it is
+/// the least BIC from order 1 on. `why` names the case. Below the order of the least BIC residuals may pass only
+/// because missing terms make them large.
+struct OrderChoice {
+    Index rows = 0;
+    std::vector<OrderFit> fits = {};
+    int aic = 0, bic = 0, fpe = 0, f_test = 0;  ///< f_test: the last order that improves on the one before
+    double static_p = 1;                        ///< F-test of order 0 against the constant alone: the tail probability
+    int order = 0;
+    std::string why = {};
+};
+
+/// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of N residuals after so many
+/// parameters of past outputs were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at
+/// least. If residuals are missing (NaN), N - tau is the number of complete pairs, and lags without a pair do not
+/// count.
+struct LjungBox {
+    double Q, p;
+    Index lags, freedom;
+    bool zeros = false;  ///< nothing but zeros: Q is 0 also where no residual meets another
+    bool white() const { return p >= white_level; }
+};
+
+/// cov of (re, im) of a complex number: [rr ri; ri ii].
+struct Spread {
+    double rr = 0, ri = 0, ii = 0;
+    double sd() const { return std::sqrt(rr + ii); }
+};
+
+/// A pole or a zero. first_order: its covariance, to first order in the errors of theta, is believable.
+struct RootSpread {
+    std::complex<double> value;
+    Spread spread;
+    bool first_order;
+};
+
+/// A number and its standard deviation, NaN: not known.
+struct Uncertain {
+    double value = NAN, sd = NAN;
+};
+
+/// A real pole, or a pair p = e^s, in samples; a Hertz number is natural_frequency over the sample time:
+///
+///   s = ln p = sigma + i omega,   |omega| <= pi
+///   time_constant = -1/sigma      natural_frequency = |s| / (2 pi)      damping = -sigma / |s|
+///
+/// Standard deviations to first order: ds = dp/p. NaN: p = 0, which decays at once; a time constant for |p| >= 1; a
+/// standard deviation where that of p is not first order.
+struct Mode {
+    std::complex<double> pole;
+    Uncertain time_constant, natural_frequency, damping;
+};
+
+/// A curve and its interval. An unknown end is NaN, a lower end without bound is -infinity.
+struct Band {
+    Signal value, sd, lower, upper;
+};
+
+/// Of one input; unit step from k = 0 on.
+struct InputResponse {
+    Band step;                     ///< k = 0, 1, ...
+    Band magnitude_db, phase_deg;  ///< at Validation::frequencies; sd of the phase in degrees, of the magnitude in dB
+};
+
+/// A path of a test of constancy and its lines at 5 %, numbers m of recursive residuals long.
+struct ConstancyPath {
+    Signal value, lower, upper;
+    std::optional<Index> crosses = {};  ///< first number outside the lines at 5 %
+    Index farthest = 0;                 ///< from the middle of the lines
+    bool surely = false;                ///< it leaves the lines at 1 %, too
+};
+
+/// Whether one theta holds for all fitted rows. Empty: too few rows, or nothing is left beyond rounding.
+struct Constancy {
+    std::vector<Index> samples = {};  ///< k of each recursive residual
+    Signal residuals = {};            ///< w
+    ConstancyPath cusum = {}, squares = {};
+    double c0 = NAN;  ///< half the distance of the lines of the squares, 5 %
+    Index row(Index number) const { return samples[size_t(number)] + 1; }  ///< of the record, from 1
+};
 
 /// The structure is one of: the best order up to max_order, an order, na and nb, a list of regressors. Without an input
 /// the model is y's own past: an order, or na.
@@ -53,9 +154,8 @@ struct Term {
 
 struct Parameter {
     std::string name, regressor;
-    double value, sd, lower,
-        upper;       ///< lower and upper: of the confidence interval; NaN where the variant gave no number
-    double p = NAN;  ///< P(|T| >= |value| / sd), T of Student's distribution
+    double value, sd, lower, upper;  ///< lower, upper: of the confidence interval; NaN: the variant gave no number
+    double p = NAN;                  ///< P(|T| >= |value| / sd), T of Student's distribution
 };
 
 /// theta(k) and its standard deviations at one row.
@@ -127,11 +227,10 @@ struct Estimate {
     std::vector<Parameter> parameters = {};
     std::optional<Failure> failure = {};
     double sigma2 = 0, freedom = 0;
-    double student = 0, quantile = 0;  ///< Student's degrees of freedom and its quantile, of the interval
-    bool noise_free = false;           ///< the residuals of the least squares are rounding errors
-    double digits = 0,
-           digits_worst = 0;  ///< that the variant shares with the certified minimiser of its problem; NaN: none
-    double condition = 0;     ///< of the fitted rows
+    double student = 0, quantile = 0;     ///< Student's degrees of freedom and its quantile, of the interval
+    bool noise_free = false;              ///< the residuals of the least squares are rounding errors
+    double digits = 0, digits_worst = 0;  ///< that the variant shares with the certified minimiser; NaN: none
+    double condition = 0;                 ///< of the fitted rows
     std::vector<TrajectoryPoint> trajectory = {};
 };
 
@@ -160,6 +259,26 @@ struct Validation {
     Signal measured = {}, one_step = {};             ///< with means, from the first row of the equation on
     Signal simulated = {}, simulated_held_out = {};  ///< likewise; from the first outputs, and from those just before
                                                      ///< the held-out part; empty without an input
+};
+
+struct TrackedRow {
+    Index row;                ///< of the record, from 1
+    double y, predicted, sd;  ///< prediction from the rows before, and its standard deviation; NaN: not known yet
+    double noise_variance;    ///< after the row
+    Vector<double> theta, theta_sd;  ///< after the row
+    CompositionCounts happened;
+};
+
+/// The composition around a variant in double, over all rows: the fitted ones and those held out. Formulas: Assessed.
+struct Tracked {
+    std::string text;  ///< "window of 60 rows; guard reset"
+    std::vector<TrackedRow> rows;
+    double fit;        ///< of the predictions, percent, without the guard's outliers; NaN: not known
+    double covered;    ///< share of the outputs within their interval
+    double quantile;   ///< of the intervals: the normal distribution's
+    Index broken = 0;  ///< first row after which the stored P was not positive definite, or a number not finite
+    Health kind = Health::sound;  ///< what broke
+    std::vector<std::string> warnings = {};
 };
 
 /// A parameter beside the model's least squares estimate; NaN: it has none.
@@ -210,5 +329,7 @@ Identified identify(DataFile const& file, IdentifyOptions const& options, report
 std::string as_table(Identified const& model, size_t columns = 0);
 std::string as_json(Identified const& model);
 std::string as_page(Identified const& model);
+/// A line for each row: row, y, predicted, sd, noise_variance, each theta and its standard deviation, and the events.
+std::string tracked_csv(Tracked const& tracked, std::vector<std::string> const& names);
 
 }  // namespace rlslab::identify

@@ -1,5 +1,5 @@
 // Fits all orders with one factorisation, then chooses one.
-#include "src/lab/identify/order.hpp"
+#include "src/lab/identify/structure.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/input/constant.hpp>
@@ -14,25 +14,15 @@ namespace rlslab::identify {
 OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay,
                            bool intercept) {
     expects(delay.size() == inputs.size(), "a delay for each input");
-    Index const first = most + (delay.empty() ? 0 : *std::ranges::max_element(delay)), last = Index(y.size());
-    OrderColumns out{{}, {}, int(inputs.size()), intercept, {}};
-    expects(last - first > out.columns(most), "more rows than parameters of the largest order");
-    out.X.resize(last - first, out.columns(most));
-    out.y.resize(last - first);
-    for (Index at = first; at < last; ++at) {
-        Index const k = Index(out.samples.size());
-        Index column = 0;
-        out.y[k] = y[size_t(at)];
-        for (Index lag = 0; lag <= most; ++lag) {
-            if (lag > 0) out.X(k, column++) = -y[size_t(at - lag)];
-            for (size_t j = 0; j < inputs.size(); ++j) out.X(k, column++) = inputs[j][size_t(at - delay[j] - lag)];
-            if (lag == 0 && intercept) out.X(k, column++) = 1;
-        }
-        if (!std::isnan(out.y[k]) && !out.X.row(k).hasNaN()) out.samples.push_back(at);
+    std::vector<Term> terms;
+    for (int lag = 0; lag <= most; ++lag) {
+        if (lag > 0) terms.push_back({"", "", -1, lag});
+        for (size_t j = 0; j < inputs.size(); ++j) terms.push_back({"", "", int(j), delay[j] + lag});
+        if (lag == 0 && intercept) terms.push_back({"", "", -2, 0});
     }
-    out.X.conservativeResize(Index(out.samples.size()), Eigen::NoChange);
-    out.y.conservativeResize(Index(out.samples.size()));
-    return out;
+    expects(Index(y.size()) - presample(terms) > Index(terms.size()), "more rows than parameters of the largest order");
+    Rows rows = rows_of(terms, inputs, y);
+    return {rows.records.psi.transpose(), rows.records.y, int(inputs.size()), intercept, std::move(rows.samples)};
 }
 
 LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
@@ -76,11 +66,6 @@ Criteria criteria(double J, Index N, Index d) {
 
 namespace {
 
-struct OrderFits {
-    std::vector<OrderFit> fits;
-    double static_p = 1;  ///< as in OrderChoice
-};
-
 /// F-test of d parameters over N rows with J against fewer parameters with a larger J: the tail probability of the
 /// improvement; 1 if there are no more parameters.
 double improvement(double larger_J, Index fewer, double J, Index d, Index N) {
@@ -108,13 +93,14 @@ double squares_about_mean(Vector<double> const& y, Index rows, bool intercept) {
     return out;
 }
 
-OrderFits fit_orders(OrderColumns const& all, int most, Index held_out) {
+/// The fits, and the F-test of order 0.
+OrderChoice fit_orders(OrderColumns const& all, int most, Index held_out) {
     Index const rows = all.y.size(), fitted = rows - held_out;
     expects(fitted > all.columns(most), "more rows to fit than parameters of the largest order");
     // Residuals of rounding alone are none: without noise every order from the true one on fits alike.
     double const nothing = rounding_alone(fitted, all.y.head(fitted).cwiseAbs().maxCoeff());
     OrderRecursiveQr<double> recursion(Vector<double>(all.y.head(fitted)), all.columns(most));
-    OrderFits out;
+    OrderChoice out{.rows = fitted};
     for (int order = 0; order <= most; ++order) {
         Index const d = all.columns(order);
         bool sound = true;
@@ -147,18 +133,16 @@ int least(std::vector<OrderFit> const& fits, double OrderFit::*criterion, Allowe
 }  // namespace
 
 OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out) {
-    auto [fits, static_p] = fit_orders(columns, most, held_out);
+    OrderChoice out = fit_orders(columns, most, held_out);
     auto const any = [](OrderFit const&) { return true; };
-    OrderChoice out{.rows = columns.y.size() - held_out,
-                    .aic = least(fits, &OrderFit::aic, any),
-                    .bic = least(fits, &OrderFit::bic, any),
-                    .fpe = least(fits, &OrderFit::fpe, any),
-                    .static_p = static_p};
-    for (OrderFit const& fit : fits)
+    out.aic = least(out.fits, &OrderFit::aic, any);
+    out.bic = least(out.fits, &OrderFit::bic, any);
+    out.fpe = least(out.fits, &OrderFit::fpe, any);
+    for (OrderFit const& fit : out.fits)
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
-    int const best = least(fits, &OrderFit::bic, [](OrderFit const& fit) { return fit.order > 0; });
+    int const best = least(out.fits, &OrderFit::bic, [](OrderFit const& fit) { return fit.order > 0; });
     // Below the order of the least BIC the residuals may pass only because missing terms make them large.
-    int const white = least(fits, &OrderFit::bic, [&](OrderFit const& fit) {
+    int const white = least(out.fits, &OrderFit::bic, [&](OrderFit const& fit) {
         return best > 0 && fit.order >= best && fit.ljung_box >= white_level;
     });
     std::string const of = out.bic == 0 ? "the least BIC above order 0" : "the least BIC";
@@ -166,7 +150,6 @@ OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out) 
     out.why = white == best ? of + ", and its residuals pass for white"
               : white > 0   ? fmt::format("{} among orders whose residuals pass for white (without that: {})", of, best)
                             : of + "; neither there nor above do the residuals pass for white";
-    out.fits = std::move(fits);
     return out;
 }
 

@@ -1,14 +1,13 @@
-// Tables of conditions and sentences.
-#include "src/lab/identify/remarks.hpp"
+// Conditions and sentences.
+#include "src/lab/identify/estimate.hpp"
 
-#include "src/lab/identify/clock.hpp"
+#include "src/lab/identify/text.hpp"
 #include "src/lab/identify/structure.hpp"
 
 #include <rlslab/model/lags.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <span>
 
 namespace rlslab::identify {
 using namespace report;
@@ -53,180 +52,125 @@ std::string more_terms(Identified const& m) {
                      : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
 }
 
-// --- one remark at most of each table --------------------------------------------------------------------------------
+// --- the first remark of each list that applies ----------------------------------------------------------------------
 
 using Model = Identified const&;
-/// A remark, and the condition under which it is made.
-struct Rule {
-    Rank rank;
-    bool (*condition)(Model);
-    std::string (*sentence)(Model);
-    std::string (*next)(Model);
-    bool hint = false;
-};
+using Remarks = std::vector<Remark>;
 
-Rule const rules_on_order[] = {
-    {Rank::order,
-     [](Model m) { return m.largest_order > 0 && m.order == m.largest_order && m.order == m.options.max_order; },
-     [](Model m) {
-         return fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order,
-                            more_terms(m));
-     },
-     more_terms},
-    {Rank::order, [](Model m) { return m.largest_order > 0 && m.order == m.largest_order; },
-     [](Model m) {
-         return fmt::format(
-             "order {} is the largest that this input supports: a richer input would show whether a higher one is "
-             "better",
-             m.order);
-     },
-     [](Model) -> std::string { return "a richer input"; }},
-};
-
-bool bic_chooses_order_0(Model m) { return !m.choice.fits.empty() && m.choice.bic == 0 && m.options.forgetting == 1; }
-Rule const rules_on_dynamics[] = {
-    {Rank::nothing, [](Model m) { return bic_chooses_order_0(m) && m.choice.static_p < improvement_level; },
-     [](Model) -> std::string {
-         return "BIC says 0: the past of y and of the inputs predicts nothing that the present input does not: no "
-                "dynamics";
-     },
-     [](Model) -> std::string { return "--na 0 --nb 0"; }},
-    {Rank::nothing, [](Model m) { return bic_chooses_order_0(m) && m.options.inputs.empty(); },
-     [](Model m) {
-         return fmt::format("BIC says 0: the past of {0} predicts nothing of {0}", printable(m.options.output));
-     },
-     [](Model) -> std::string { return "--input, a column that acts on it"; }},
-    {Rank::nothing, bic_chooses_order_0,
-     [](Model) -> std::string { return "BIC says 0: nothing here is predicted by the inputs or the past of y"; },
-     [](Model) -> std::string { return "another input, or another output"; }},
-};
-
-bool fits_past_outputs(Model m) {
-    return std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
+void remark_on_order(Remarks& out, Model m) {
+    if (m.largest_order == 0 || m.order != m.largest_order) return;
+    if (m.order == m.options.max_order)
+        remark(out, Rank::order, more_terms(m),
+               "order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(m));
+    else
+        remark(out, Rank::order, "a richer input",
+               "order {} is the largest that this input supports: a richer input would show whether a higher one "
+               "is better",
+               m.order);
 }
-/// What estimates without bias where the noise has dynamics of its own.
-std::string for_coloured_noise(Model m) {
-    if (!fits_past_outputs(m) || !m.past_inputs.empty()) return "";
-    return fmt::format("; --noise-model estimates the noise's dynamics, too{}",
-                       m.options.inputs.empty() ? "" : ", and --instruments does without them");
-}
-Rule const rules_on_whiteness[] = {
-    {Rank::whiteness, [](Model m) { return m.options.forgetting != 1 && !m.ljung_box.white(); },
-     [](Model) -> std::string {
-         return "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, "
-                "and need not be white";
-     },
-     [](Model) -> std::string { return ""; }, true},
-    {Rank::whiteness, [](Model m) { return !m.ljung_box.white(); },
-     [](Model m) {
-         return fmt::format(
-             "the residuals are not white (p = {:.2g}): {}{}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
-             fits_past_outputs(m)
-                 ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
-                 : "the standard deviations of the estimate do not hold",
-             m.past_inputs.empty() && !m.options.inputs.empty()
-                 ? fmt::format(
-                       "; they do not follow the inputs up to lag {}: the noise has dynamics of its own (a higher "
-                       "order or na takes it up), an input is missing (a further column of the file?), or one acts "
-                       "later (--delay)",
-                       m.ljung_box.lags)
-                 : "",
-             for_coloured_noise(m));
-     },
-     [](Model m) {
-         return m.noise_model && m.noise_model->ljung_box.white() ? "" : m.cure.empty() ? more_terms(m) : m.cure;
-     }},
-};
 
-/// "row 120 (1.19 s)": where the CUSUM of squares is farthest off, or else where the CUSUM crosses its line.
-std::string row_of_change(Model m) {
+void remark_on_dynamics(Remarks& out, Model m) {
+    if (m.choice.fits.empty() || m.choice.bic != 0 || m.options.forgetting != 1) return;
+    if (m.choice.static_p < improvement_level)
+        remark(out, Rank::nothing, "--na 0 --nb 0",
+               "BIC says 0: the past of y and of the inputs predicts nothing that the present input does not: no "
+               "dynamics");
+    else if (m.options.inputs.empty())
+        remark(out, Rank::nothing, "--input, a column that acts on it",
+               "BIC says 0: the past of {0} predicts nothing of {0}", printable(m.options.output));
+    else
+        remark(out, Rank::nothing, "another input, or another output",
+               "BIC says 0: nothing here is predicted by the inputs or the past of y");
+}
+
+void remark_on_whiteness(Remarks& out, Model m) {
+    bool const inputs = !m.options.inputs.empty(), follow = !m.past_inputs.empty();
+    if (m.ljung_box.white()) return;
+    if (m.options.forgetting != 1) {
+        remark(
+            out, Rank::whiteness, "",
+            "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and "
+            "need not be white");
+        out.back().hint = true;
+        return;
+    }
+    bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
+    remark(
+        out, Rank::whiteness,
+        m.noise_model && m.noise_model->ljung_box.white() ? ""
+        : m.cure.empty()                                  ? more_terms(m)
+                                                          : m.cure,
+        "the residuals are not white (p = {:.2g}): {}{}{}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
+        past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
+                     : "the standard deviations of the estimate do not hold",
+        !follow && inputs
+            ? fmt::format("; they do not follow the inputs up to lag {}: the noise has dynamics of its own (a higher "
+                          "order or na takes it up), an input is missing (a further column of the file?), or one acts "
+                          "later (--delay)",
+                          m.ljung_box.lags)
+            : "",
+        // What estimates without bias where the noise has dynamics of its own.
+        past_outputs && !follow ? "; --noise-model estimates the noise's dynamics, too" : "",
+        past_outputs && !follow && inputs ? ", and --instruments does without them" : "");
+}
+
+/// Where the CUSUM of squares is farthest off, or else where the CUSUM crosses its line.
+void remark_on_constancy(Remarks& out, Model m) {
     Constancy const& c = m.constancy;
-    Index const at = c.squares.surely ? c.squares.farthest : *c.cusum.crosses;
-    return Clock(m.options).row_text(c.samples[size_t(at)] + 1);
+    bool const cusum = c.cusum.surely, squares = c.squares.surely;
+    if (m.options.forgetting != 1 || !(cusum || squares)) return;
+    remark(out, Rank::constancy, m.tracked ? "" : "--window or --forgetting 0.99",
+           "the parameters{} changed around {}: {} of the recursive residuals leave{} the 1 % line: --window or "
+           "--forgetting follow them",
+           cusum ? "" : ", or the noise,",
+           Clock(m.options).row_text(c.row(squares ? c.squares.farthest : *c.cusum.crosses)),
+           cusum && squares ? "the sums and the squares"
+           : cusum          ? "the sum"
+                            : "the squares",
+           cusum && !squares ? "s" : "");
 }
-Rule const rules_on_constancy[] = {
-    {Rank::constancy,
-     [](Model m) { return m.options.forgetting == 1 && (m.constancy.cusum.surely || m.constancy.squares.surely); },
-     [](Model m) {
-         auto const [cusum, squares] = std::pair(m.constancy.cusum.surely, m.constancy.squares.surely);
-         return fmt::format(
-             "the parameters{} changed around {}: {} of the recursive residuals leave{} the 1 % line: --window or "
-             "--forgetting follow them",
-             cusum ? "" : ", or the noise,", row_of_change(m),
-             cusum && squares ? "the sums and the squares"
-             : cusum          ? "the sum"
-                              : "the squares",
-             cusum && !squares ? "s" : "");
-     },
-     [](Model m) -> std::string { return m.tracked ? "" : "--window or --forgetting 0.99"; }},
-};
 
 /// The one-step errors of the held-out part may be this many times those of the fitted one, both by root mean square
 /// and as a part of y's spread. (If y wanders, its spread differs between the parts.)
 constexpr double falls_by = 1.5;
-std::string look_where_held_out_begins(Model) {
-    return "look at the record where the held-out part begins; --forgetting 0.99 if the system drifts";
-}
-std::string fit_or(double fit, char const* otherwise) {
-    return std::isfinite(fit) ? fmt::format("{:.3g} %", fit) : otherwise;
-}
-/// A percentage of no spread is none: the errors themselves are compared.
-bool stands_still_where_held_out(Model m) {
-    return m.held_out_one_step == -INFINITY && !(m.held_out_error > falls_by * m.fit_error);
-}
-Rule const rules_on_held_out[] = {
-    {Rank::held_out, stands_still_where_held_out,
-     [](Model m) {
-         return fmt::format(
-             "held out, y does not change there: a fit in percent says nothing. The one-step error is {:.3g} there, "
-             "{:.3g} in the fitted part: another --validate holds out rows in which y changes",
-             m.held_out_error, m.fit_error);
-     },
-     [](Model) -> std::string { return "another --validate"; }},
-    {Rank::held_out, [](Model m) { return m.held_out_one_step < 0; },
-     [](Model m) {
-         return fmt::format(
-             "held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs "
-             "from the first, or the order is too high: look at the record, try a lower --order, another --validate, "
-             "--forgetting 0.99",
-             fit_or(m.held_out_one_step, "y does not change there"));
-     },
-     look_where_held_out_begins},
-    {Rank::held_out, [](Model m) { return m.held_out_simulated < 0; },
-     [](Model m) {
-         return fmt::format(
-             "held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for "
-             "prediction only; for simulation try another order, or remove a drift of y",
-             fit_or(m.held_out_simulated, "the simulation grows beyond all numbers"));
-     },
-     [](Model) -> std::string { return "use it for prediction only"; }},
-    {Rank::held_out,
-     [](Model m) {
-         return 100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step) &&
-                m.held_out_error > falls_by * m.fit_error;
-     },
-     [](Model m) {
-         return fmt::format(
-             "one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or its level "
-             "changed, or the order is too high",
-             100 - m.fit_one_step, 100 - m.held_out_one_step);
-     },
-     look_where_held_out_begins},
-};
 
-Rule const rules_on_poles[] = {
-    {Rank::structure, [](Model m) { return std::ranges::any_of(m.poles, [](Point p) { return std::abs(p) >= 1; }); },
-     [](Model) -> std::string {
-         return "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the "
-                "order is too high";
-     },
-     [](Model) -> std::string { return "a lower order, if the system is stable"; }},
-};
+void remark_on_held_out(Remarks& out, Model m) {
+    auto const fit_or = [](double fit, char const* otherwise) {
+        return std::isfinite(fit) ? fmt::format("{:.3g} %", fit) : otherwise;
+    };
+    char const* const look =
+        "look at the record where the held-out part begins; --forgetting 0.99 if the system drifts";
+    double const missed = 100 - m.held_out_one_step, missed_before = 100 - m.fit_one_step;
+    bool const errors_rise = m.held_out_error > falls_by * m.fit_error;
+    if (m.held_out_one_step == -INFINITY && !errors_rise)  // a percentage of no spread is none
+        remark(out, Rank::held_out, "another --validate",
+               "held out, y does not change there: a fit in percent says nothing. The one-step error is {:.3g} there, "
+               "{:.3g} in the fitted part: another --validate holds out rows in which y changes",
+               m.held_out_error, m.fit_error);
+    else if (m.held_out_one_step < 0)
+        remark(out, Rank::held_out, look,
+               "held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs "
+               "from the first, or the order is too high: look at the record, try a lower --order, another --validate, "
+               "--forgetting 0.99",
+               fit_or(m.held_out_one_step, "y does not change there"));
+    else if (m.held_out_simulated < 0)
+        remark(out, Rank::held_out, "use it for prediction only",
+               "held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for "
+               "prediction only; for simulation try another order, or remove a drift of y",
+               fit_or(m.held_out_simulated, "the simulation grows beyond all numbers"));
+    else if (missed > falls_by * missed_before && errors_rise)
+        remark(
+            out, Rank::held_out, look,
+            "one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or its level "
+            "changed, or the order is too high",
+            missed_before, missed);
+}
 
-/// The remark of the first rule that applies.
-void add(std::vector<Remark>& out, std::span<Rule const> rules, Model m) {
-    auto const rule = std::ranges::find_if(rules, [&](Rule const& r) { return r.condition(m); });
-    if (rule != rules.end()) out.push_back({rule->rank, rule->sentence(m), rule->next(m), rule->hint});
+void remark_on_poles(Remarks& out, Model m) {
+    if (std::ranges::any_of(m.poles, [](Point p) { return std::abs(p) >= 1; }))
+        remark(out, Rank::structure, "a lower order, if the system is stable",
+               "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the "
+               "order is too high");
 }
 
 // --- one remark for each object --------------------------------------------------------------------------------------
@@ -269,8 +213,8 @@ Remark remark_on_delay(int input, int idle, Model m) {
 
 /// What to do depends on the order without the pairs. A chosen order has a better criterion than a lower one with white
 /// residuals: no remark.
-std::optional<Remark> remark_on_cancellations(Model m) {
-    if (m.cancellations.empty()) return {};
+void remark_on_cancellations(Remarks& out, Model m) {
+    if (m.cancellations.empty()) return;
     std::vector<std::string> pairs;
     int lower = m.order;
     for (Cancellation const& c : m.cancellations) {
@@ -281,46 +225,41 @@ std::optional<Remark> remark_on_cancellations(Model m) {
     std::string const finding = fmt::format("the record cannot tell apart {}", fmt::join(pairs, ", "));
     auto const fit = std::ranges::find(m.choice.fits, lower, &OrderFit::order);
     if (fit == m.choice.fits.end())
-        return Remark{Rank::structure,
-                      finding +
-                          ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and "
-                          "see whether the residuals stay white",
-                      "fewer terms"};
-    if (!(fit->ljung_box >= white_level))
-        return Remark{
-            Rank::structure,
-            fmt::format(
-                "keep order {0}: {1}, and what may cancel models the noise, for order {2} alone leaves residuals that "
-                "are not white; or order {2} with the noise apart: --order {2} --noise-model {3}",
-                m.order, finding, lower, m.order - lower),
-            "", true};
-    if (structure_given(m.options) && lower > 0)
-        return Remark{
-            Rank::structure,
-            fmt::format("{0}: they may cancel, and the residuals of order {1} pass for white, too: --order {1}",
-                        finding, lower),
-            fmt::format("--order {}", lower)};
-    return {};
+        remark(
+            out, Rank::structure, "fewer terms",
+            "{}: if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether "
+            "the residuals stay white",
+            finding);
+    else if (!(fit->ljung_box >= white_level)) {
+        remark(
+            out, Rank::structure, "",
+            "keep order {0}: {1}, and what may cancel models the noise, for order {2} alone leaves residuals that are "
+            "not white; or order {2} with the noise apart: --order {2} --noise-model {3}",
+            m.order, finding, lower, m.order - lower);
+        out.back().hint = true;
+    } else if (structure_given(m.options) && lower > 0)
+        remark(out, Rank::structure, fmt::format("--order {}", lower),
+               "{0}: they may cancel, and the residuals of order {1} pass for white, too: --order {1}", finding, lower);
 }
 
 }  // namespace
 
 std::vector<Remark> remarks_on(Identified const& m) {
     std::vector<Remark> out;
-    add(out, rules_on_order, m);
-    add(out, rules_on_dynamics, m);
+    remark_on_order(out, m);
+    remark_on_dynamics(out, m);
     if (m.failure) return out;
     for (Outlier const& o : m.outliers) out.push_back(remark_on(o, m));
     if (m.options.forgetting == 1)
         for (PastInput const& p : m.past_inputs) out.push_back(remark_on(p, m));
-    add(out, rules_on_whiteness, m);
-    add(out, rules_on_constancy, m);
-    add(out, rules_on_held_out, m);
-    add(out, rules_on_poles, m);
+    remark_on_whiteness(out, m);
+    remark_on_constancy(out, m);
+    remark_on_held_out(out, m);
+    remark_on_poles(out, m);
     for (size_t j = 0; j < m.options.inputs.size() && m.options.regressors.empty(); ++j)
         if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0)
             out.push_back(remark_on_delay(int(j), idle, m));
-    if (auto const remark = remark_on_cancellations(m)) out.push_back(*remark);
+    remark_on_cancellations(out, m);
     return out;
 }
 

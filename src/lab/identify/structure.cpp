@@ -1,14 +1,13 @@
-// Options to terms; terms to rows, words and an equation.
+// A record to columns without their means; options to terms; terms to rows, words and an equation.
 #include "src/lab/identify/structure.hpp"
 
-#include "src/lab/identify/record.hpp"
-
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/input/constant.hpp>
+#include <rlslab/input/counting.hpp>
+#include <rlslab/input/times.hpp>
 #include <rlslab/model/lags.hpp>
 
 #include <algorithm>
-#include <fmt/format.h>
+#include <span>
 
 namespace rlslab::identify {
 using namespace report;
@@ -21,8 +20,7 @@ std::vector<int> for_each_input(char const* option, std::vector<int> const& give
     if (given.empty()) return std::vector<int>(inputs, otherwise);
     if (given.size() == 1) return std::vector<int>(inputs, given[0]);
     if (given.size() != inputs)
-        throw InputError(fmt::format("{}: expected one number, or one for each of the {} inputs, found {}", option,
-                                     inputs, given.size()));
+        refuse("{}: expected one number, or one for each of the {} inputs, found {}", option, inputs, given.size());
     return given;
 }
 
@@ -31,6 +29,92 @@ std::vector<Lagged> listed(IdentifyOptions const& o) { return lagged_of("--regre
 std::string joined(std::vector<int> const& numbers) {
     bool const same = std::ranges::count(numbers, numbers[0]) == std::ssize(numbers);
     return same ? fmt::format("{}", numbers[0]) : fmt::format("{}", fmt::join(numbers, ","));
+}
+
+// --- the record -----------------------------------------------------------------------------------------------------
+
+/// Subtracts the mean of the first `count` samples from all, and returns it.
+double subtract_mean(Signal& x, Index count) {
+    double mean = 0, known = 0;
+    for (Index k = 0; k < count; ++k) known += !std::isnan(x[size_t(k)]);
+    for (Index k = 0; k < count; ++k)
+        if (!std::isnan(x[size_t(k)])) mean += x[size_t(k)] / known;
+    mean = constant_value(std::span(x).first(size_t(count))).value_or(mean);
+    for (double& v : x) v -= mean;
+    return mean;
+}
+
+bool changes(Signal const& x, Index count) {
+    auto const first = std::span(x).first(size_t(count));
+    return !constant_value(first) && std::ranges::any_of(first, [](double v) { return !std::isnan(v); });
+}
+
+Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
+    std::vector<std::string> names = options.inputs;
+    names.push_back(options.output);
+    for (std::string const& name : names)
+        if (std::ranges::count(names, name) > 1)
+            refuse("{}: column \"{}\" is named twice", name_of_file(file.path), printable(name));
+    expect_times_apart(options.time, options.output, options.inputs);
+    Columns columns = read_data(file, names, options.time);
+    std::string const of_times = options.time.empty() ? sentence_on_times(columns).value_or("") : "";
+    if (!options.time.empty())
+        columns = in_order_of_time(std::move(columns),
+                                   std::max<Index>(1000, presample(terms_of(options, widest_order(options)))));
+    Record out{.file = printable(file.path, 200), .y = columns[options.output], .lines = std::move(columns.lines)};
+    out.sha256 = columns.sha256;
+    for (std::string const& name : options.inputs) out.inputs.push_back(columns[name]);
+    out.samples = Index(out.y.size());
+    out.fitted = out.samples - Index(std::floor(options.validate * double(out.samples)));
+    for (std::string const& name : names) {
+        Signal known(columns[name].begin(), columns[name].begin() + out.fitted);
+        std::erase_if(known, [](double v) { return std::isnan(v); });
+        // Computed numbers that carry some dozens of roundings: columns of condition 1e14 or so.
+        out.resolutions.push_back(known.empty() ? 0 : resolution_of(known, 0x1p-46));
+    }
+    out.warnings = counting_warnings(columns, options.inputs);
+    out.of_times = of_times, out.time = columns.time;
+    return out;
+}
+
+void expect_enough_samples(Record const& record, IdentifyOptions const& options) {
+    if (!changes(record.y, record.samples))
+        refuse("{}: column \"{}\" does not change: there is nothing to model", record.file, printable(options.output));
+    if (!changes(record.y, record.fitted))
+        refuse("{}: column \"{}\" does not change over the {} samples that are fitted: expected a smaller --validate",
+               record.file, printable(options.output), record.fitted);
+    int const order = widest_order(options);
+    std::vector<Term> const widest = terms_of(options, order);
+    Index const needed = presample(widest) + Index(widest.size()) + 1;
+    if (record.fitted < needed)
+        refuse(
+            "{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower {}{}{}",
+            record.file, structure_text(options, order), widest.size(), needed, record.fitted,
+            structure_given(options) ? "order" : "--max-order",
+            std::ranges::max(options.delay.empty() ? std::vector{0} : options.delay) > 0 ? ", a smaller --delay" : "",
+            record.fitted < record.samples ? ", or a smaller --validate" : "");
+}
+
+Record centred(Record record, IdentifyOptions const& options) {
+    record.inputs_with_means = record.inputs;
+    for (size_t j = 0; j <= options.inputs.size(); ++j) {
+        bool const input = j < options.inputs.size();
+        Signal& x = input ? record.inputs[j] : record.y;
+        std::string const name = printable(input ? options.inputs[j] : options.output);
+        if (longest_run(x, record.fitted).empty())
+            refuse("{}: column \"{}\": expected a number in the part that is fitted, found missing values alone",
+                   record.file, name);
+        record.means.push_back(options.detrend ? subtract_mean(x, record.fitted) : 0.0);
+        double size = 0;
+        for (double const v : std::span(x).first(size_t(record.fitted)))
+            if (std::abs(v) > size) size = std::abs(v);
+        if (size > 0 && size < 0x1p-400)  // squares of the rest must not underflow
+            refuse(
+                "{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of "
+                "ten",
+                record.file, name, size);
+    }
+    return record;
 }
 
 }  // namespace
@@ -44,10 +128,10 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
     std::vector<Term> const terms = terms_of(options, widest);
     Records const rows = rows_of(terms, record.inputs, record.y).before(record.fitted).records;
     if (rows.rows() <= rows.parameters())
-        throw InputError(
-            fmt::format("{}: {} has {} parameters, and {} of its rows in the fitted part miss no value: expected more, "
-                        "or a lower order",
-                        record.file, structure_text(options, widest), terms.size(), rows.rows()));
+        refuse(
+            "{}: {} has {} parameters, and {} of its rows in the fitted part miss no value: expected more, "
+            "or a lower order",
+            record.file, structure_text(options, widest), terms.size(), rows.rows());
     Structure out;
     bool const given = structure_given(options);
     if (!given) out.largest_order = int(std::min<Index>(widest, supported));
@@ -57,14 +141,14 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
         Index const held_out = columns.samples.end() - std::ranges::lower_bound(columns.samples, record.fitted);
         out.choice = choose_order(columns, most, held_out);
         if (out.choice.fits.size() < 2 && constant_value(columns.y.head(out.choice.rows)))
-            throw InputError(fmt::format(
+            refuse(
                 "{}: column \"{}\" does not change from row {} on, where a choice up to order {} begins to fit: "
                 "expected a lower --max-order, or --order",
-                record.file, printable(options.output), columns.samples.front() + 1, most));
+                record.file, printable(options.output), columns.samples.front() + 1, most);
         if (out.choice.fits.size() < 2)
-            throw InputError(fmt::format("{}: {} linearly dependent already at order 1", record.file,
-                                         record.inputs.empty() ? "the past outputs and the constant are"
-                                                               : "the output, the inputs and their past are"));
+            refuse("{}: {} linearly dependent already at order 1", record.file,
+                   record.inputs.empty() ? "the past outputs and the constant are"
+                                         : "the output, the inputs and their past are");
     }
     out.terms = given ? terms : terms_of(options, out.choice.order);
     out.order = given ? order_of(terms, options.delay) : out.choice.order;
@@ -84,20 +168,17 @@ IdentifyOptions completed(IdentifyOptions o) {
         for (Lagged const& r : listed(o))
             if (r.column == o.output) {
                 if (r.lag > longest)
-                    throw InputError(fmt::format("--regressors: {}: expected a lag of at most {} for the output",
-                                                 text_of(r), longest));
+                    refuse("--regressors: {}: expected a lag of at most {} for the output", text_of(r), longest);
             } else {
                 size_t const j = size_t(std::ranges::find(o.inputs, r.column) - o.inputs.begin());
                 nearest[j] = std::min(nearest[j], r.lag), furthest[j] = std::max(furthest[j], r.lag);
                 if (furthest[j] - nearest[j] > longest)
-                    throw InputError(
-                        fmt::format("--regressors: {}: expected the lags of an input within {} of one another",
-                                    text_of(r), longest));
+                    refuse("--regressors: {}: expected the lags of an input within {} of one another", text_of(r),
+                           longest);
             }
     } else if (o.inputs.empty()) {
         for (auto const& [option, given] : {std::pair("--nb", !o.nb.empty()), {"--delay", !o.delay.empty()}})
-            if (given)
-                throw InputError(fmt::format("{}: expected --input, too: it counts samples of an input", option));
+            if (given) refuse("{}: expected --input, too: it counts samples of an input", option);
         if (o.na && *o.na == 0)
             throw InputError(
                 "--na: expected 1 or more, or --input, too: without an input y is predicted from its past");
@@ -109,7 +190,7 @@ IdentifyOptions completed(IdentifyOptions o) {
     if (!o.na && !o.nb.empty()) throw InputError("--nb: expected --na, too");
     if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
     if (o.sample_time && !(1e-15 <= *o.sample_time && *o.sample_time <= 1e15))
-        throw InputError(fmt::format("--sample-time: expected seconds from 1e-15 to 1e15, found {}", *o.sample_time));
+        refuse("--sample-time: expected seconds from 1e-15 to 1e15, found {}", *o.sample_time);
     o.delay = for_each_input("--delay", o.delay, o.inputs.size(), 0);
     if (!o.max_order) o.max_order = 10;
     // The means of a window are not those of the equation: without them a constant remains.
@@ -235,6 +316,29 @@ DifferenceEquation equation_of(std::vector<Term> const& terms, Vector<double> co
     std::vector<EquationTerm> places;
     for (Term const& t : terms) places.push_back({t.input, t.lag});
     return DifferenceEquation::of(places, theta, inputs);
+}
+
+Record read_record(DataFile const& file, IdentifyOptions const& options) {
+    Record record = read_columns_of(file, options);
+    expect_enough_samples(record, options);
+    return centred(std::move(record), options);
+}
+
+Signal zero_filled(Signal const& x, Index first, Index end) {
+    Signal out(x.begin() + first, x.begin() + end);
+    for (double& v : out)
+        if (std::isnan(v)) v = 0;
+    return out;
+}
+
+Signal longest_run(Signal const& x, Index count) {
+    Index begin = 0, best = 0, length = 0;
+    for (Index k = 0; k <= count; ++k)
+        if (k == count || std::isnan(x[size_t(k)])) {
+            if (k - begin > length) best = begin, length = k - begin;
+            begin = k + 1;
+        }
+    return Signal(x.begin() + best, x.begin() + best + length);
 }
 
 }  // namespace rlslab::identify

@@ -1,9 +1,6 @@
 // Predictions, simulations and residuals of the model.
 #include "src/lab/identify/validate.hpp"
 
-#include "src/lab/identify/responses.hpp"
-#include "src/lab/identify/roots.hpp"
-
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/model/outliers.hpp>
@@ -43,15 +40,6 @@ double solved_line(Index n, double tail) {
     return low;
 }
 
-/// The fit over the samples that were measured.
-double fit_of(Signal const& y, Signal const& predicted, Index begin, Index end) {
-    Signal measured, of_measured;
-    for (size_t k = size_t(begin); k < size_t(end); ++k)
-        if (!std::isnan(y[k])) measured.push_back(y[k]), of_measured.push_back(predicted[k]);
-    auto const map = [](Signal const& x) { return Eigen::Map<Vector<double> const>(x.data(), Index(x.size())); };
-    return measured.empty() ? NAN : fit_percent(map(measured), map(of_measured));
-}
-
 /// y where there is a prediction, NaN elsewhere.
 Signal where_known(Signal y, Signal const& predicted) {
     for (size_t k = 0; k < y.size(); ++k)
@@ -73,13 +61,6 @@ Signal scaled_correlation(Signal const& eps, Signal const& x, Index lags) {
     double const scale = std::sqrt(correlation(eps, eps, 0)[0]) * std::sqrt(correlation(x, x, 0)[0]);
     for (double& r : out) r = scale > 0 ? r / scale : 0;
     return out;
-}
-
-Index largest_at(Signal const& r) {
-    Index at = 0;
-    for (Index lag = 0; lag < Index(r.size()); ++lag)
-        if (std::abs(r[size_t(lag)]) > std::abs(r[size_t(at)])) at = lag;
-    return at;
 }
 
 /// The first significant lag of an input, if all its lags up to `lag` are in the equation: by more than z standard
@@ -190,23 +171,6 @@ void set_properties(Validation& out, IdentifyOptions const& options, std::vector
             response_of(out.model, terms, theta, uncertainty, j, quantile, length, out.frequencies));
 }
 
-void set_errors(Validation& out, Record const& record, Predictions const& of_model, Index first) {
-    Signal const measured = where_known(record.y, of_model.predicted);
-    out.fit_one_step = fit_of(measured, of_model.predicted, first, record.fitted);
-    out.held_out_one_step = fit_of(measured, of_model.predicted, record.fitted, record.samples);
-    out.fit_error = rms_of(of_model.residuals, first, record.fitted);
-    out.held_out_error = rms_of(of_model.residuals, record.fitted, record.samples);
-}
-
-std::vector<Outlier> outliers_of(Record const& record, Signal const& residuals, Index first, int order) {
-    std::vector<Outlier> out;
-    for (auto const& [from, to] : {std::pair(first, record.fitted), {record.fitted, record.samples}})
-        if (auto const e = outlier_in(Signal(residuals.begin() + from, residuals.begin() + to), order))
-            out.push_back(
-                {from + e->at + 1, record.lines[size_t(from + e->at)], from == record.fitted, e->deviations, e->share});
-    return out;
-}
-
 /// Tests of the residuals over the fitted rows. y: the largest fitted output.
 void set_residual_tests(Validation& out, Record const& record, Structure const& structure, Signal const& residuals,
                         Index fitted, double y, bool noise_free) {
@@ -230,7 +194,10 @@ void set_residual_tests(Validation& out, Record const& record, Structure const& 
     for (Signal const& u : record.inputs)
         out.cross_correlation.push_back(scaled_correlation(eps, zero_filled(u, first, record.fitted), longest));
     if (rounding) return;
-    out.outliers = outliers_of(record, residuals, first, structure.order);
+    for (auto const& [from, to] : {std::pair(first, record.fitted), {record.fitted, record.samples}})
+        if (auto const o = outlier_in(Signal(residuals.begin() + from, residuals.begin() + to), structure.order))
+            out.outliers.push_back(
+                {from + o->at + 1, record.lines[size_t(from + o->at)], from == record.fitted, o->deviations, o->share});
     out.past_inputs = past_inputs(record, structure.terms, fitted, out.auto_correlation, out.cross_correlation);
 }
 
@@ -247,7 +214,11 @@ Validation validate(Record const& record, IdentifyOptions const& options, Struct
     out.model = equation_of(structure.terms, theta, record.inputs.size());
     set_properties(out, options, structure.terms, theta, estimation.uncertainty, estimate.quantile);
     Predictions const of_model = predict(rows, theta, record.samples);
-    set_errors(out, record, of_model, first);
+    Signal const measured = where_known(record.y, of_model.predicted);
+    out.fit_one_step = fit_of(measured, of_model.predicted, first, record.fitted);
+    out.held_out_one_step = fit_of(measured, of_model.predicted, record.fitted, record.samples);
+    out.fit_error = rms_of(of_model.residuals, first, record.fitted);
+    out.held_out_error = rms_of(of_model.residuals, record.fitted, record.samples);
     double const largest_y = rows.records.y.head(fitted).cwiseAbs().maxCoeff();
     set_residual_tests(out, record, structure, of_model.residuals, fitted, largest_y, estimate.noise_free);
     if (!estimate.noise_free)
@@ -266,6 +237,21 @@ Validation validate(Record const& record, IdentifyOptions const& options, Struct
     out.held_out_simulated = fit_of(where_known(record.y, held_out), held_out, record.fitted, record.samples);
     out.simulated_held_out = with_mean(held_out);
     return out;
+}
+
+Index largest_at(Signal const& r, Index first) {
+    Index at = first;
+    for (Index lag = first; lag < Index(r.size()); ++lag)
+        if (std::abs(r[size_t(lag)]) > std::abs(r[size_t(at)])) at = lag;
+    return at;
+}
+
+double fit_of(Signal const& y, Signal const& predicted, Index begin, Index end) {
+    Signal measured, of_measured;
+    for (size_t k = size_t(begin); k < size_t(end); ++k)
+        if (!std::isnan(y[k])) measured.push_back(y[k]), of_measured.push_back(predicted[k]);
+    auto const map = [](Signal const& x) { return Eigen::Map<Vector<double> const>(x.data(), Index(x.size())); };
+    return measured.empty() ? NAN : fit_percent(map(measured), map(of_measured));
 }
 
 double tail_of_largest_excess(Index n, double c) {

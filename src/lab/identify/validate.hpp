@@ -1,10 +1,8 @@
 // The fitted model against the whole record: its errors, the part of the output that it does not explain, and whether
-// one theta holds for all rows: the sums of the recursive residuals and of their squares.
+// one theta holds for all rows. What it does, with intervals: poles, zeros, gains, modes and responses.
 #pragma once
 
 #include "src/lab/identify/estimate.hpp"
-#include "src/lab/identify/record.hpp"
-#include "src/lab/identify/structure.hpp"
 
 namespace rlslab::identify {
 
@@ -12,6 +10,11 @@ namespace rlslab::identify {
 /// If theta is not finite, only `bound` is set.
 Validation validate(Record const& record, IdentifyOptions const& options, Structure const& structure, Rows const& rows,
                     Index fitted, Estimation const& estimation);
+
+/// Where a number is largest in size, from the first one on.
+Index largest_at(Signal const& r, Index first = 0);
+/// Percent of y that is predicted, over the samples begin ... end - 1 whose y is no NaN; NaN if none is.
+double fit_of(Signal const& y, Signal const& predicted, Index begin, Index end);
 
 /// Recursive least squares without forgetting and without a prior (variant qr) over the rows. The m rows that count are
 /// those from the first on before which theta is determined, as the variant's health says it; a row that adds a
@@ -42,5 +45,64 @@ Constancy constancy(Records const& rows, std::vector<Index> const& samples, doub
 double squares_line(Index m, double tail);
 /// (1) of squares_line.
 double tail_of_largest_excess(Index n, double c);
+
+/// Poles p and zeros z that the record cannot distinguish. To first order p and z move with theta,
+///
+///   (1) dp/da_i = -p^(na-i) / A'(p)        dz/db_i = -z^(nb-i) / B'(z)        A(z) = z^na + a_1 z^(na-1) + ...,
+///       B likewise
+///   (2) S = cov of (re, im) of p - z = g C g',   g its gradient,  C = cov theta
+///   (3) q = (p - z)' S^-1 (p - z)  <=  chi^2's quantile at the confidence, 2 degrees of freedom for a complex pair, 1
+///     for real ones
+///
+/// (3) is Wald's test of a common root. If it is not rejected, a model without the pair describes the record as well.
+/// It is applied only where the first order holds: the errors of p and z are below half the distance to the next pole,
+/// or zero. Each pole is paired with the zero of least q. With several inputs a pole cancels if it does for each.
+/// Source: Söderström & Stoica 1989, 11.4 (pole-zero cancellation).
+std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                        Uncertainty const& uncertainty, double confidence);
+
+/// The poles, and the zeros of an input, with the covariance of their parts to first order, (1) of cancellations.
+/// first_order is false where that is not known to hold: the error is as large as half the distance to the next root,
+/// or the leading coefficient may be 0.
+std::vector<RootSpread> spreads_of_poles(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                         Uncertainty const& uncertainty);
+std::vector<RootSpread> spreads_of_zeros(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                         Uncertainty const& uncertainty, size_t input);
+
+/// Steady-state gain g = B(1)/A(1) of an input and its standard deviation, dg/db_i = 1/A(1), dg/da_i = -g/A(1). NaN
+/// where A(1) lies within t standard deviations of 0: an integrator.
+std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                  Uncertainty const& uncertainty, size_t input, double t);
+
+/// Of the normal distribution: Student's with very many degrees of freedom.
+double normal_quantile(double p);
+
+/// The mode of each pole with imag >= 0.
+std::vector<Mode> modes_of(std::vector<RootSpread> const& poles);
+
+/// Where responses are drawn: samples until the slowest pole has fallen to 1 %, or grown a hundredfold, 20 to 1000;
+/// frequencies in cycles per sample from a twentieth of the slowest pole's corner to 1/2, evenly in their logarithm,
+/// and the angles of poles and zeros.
+Index response_length(std::vector<std::complex<double>> const& poles, std::vector<Term> const& terms);
+std::vector<double> response_frequencies(std::vector<std::complex<double>> const& poles,
+                                         std::vector<std::vector<std::complex<double>>> const& zeros);
+
+/// Intervals by the delta method: with x's gradient g by theta (response.hpp) and C = cov theta, t the quantile,
+///
+///   (1) step        var g_k = g' C g                     g_k +- t sd
+///   (2) magnitude   d|G| = Re(conj(G) dG) / |G|          20 log10(|G| +- t sd)
+///   (3) phase       d arg G = Im(conj(G) dG) / |G|^2     arg G +- t sd
+///
+/// Where 0 is within t standard deviations of G, the phase has no interval, and the magnitude no lower end. Each
+/// interval is for itself, not for the whole curve. Cost n d^2.
+InputResponse response_of(DifferenceEquation const& model, std::vector<Term> const& terms, Vector<double> const& theta,
+                          Uncertainty const& uncertainty, size_t input, double quantile, Index length,
+                          std::vector<double> const& frequencies);
+
+/// The ellipse about a complex root that covers it with this probability, as (re, im) of points; of a real root the two
+/// ends of its interval. q = (x - p)' S^-1 (x - p) is 2 F with (2, nu) degrees of freedom: nu ((1 - confidence)^(-2/nu)
+/// - 1) at its quantile. Empty where the first order does not hold. Source: derived (F's tail with 2 degrees of freedom
+/// is a power).
+std::vector<std::complex<double>> region_of(RootSpread const& root, double confidence, double quantile, double freedom);
 
 }  // namespace rlslab::identify
