@@ -33,10 +33,12 @@ void add_window(Index size) {
         Scenario const& s = rows_of_window(size);
         InWindow<F> window(s.problem);
         stretch<Theta::unasked>(window, s.records.psi, s.records.y, 0, s.scored);
-        Stopwatch watch(state, window.rows());
-        for (auto _ : state) watch.add([] {}, [&] { return nanoseconds_of([&] { window.refactor(); }); });
-        Vector<double> const theta = window.theta();
-        watch.finish({digits(s.exact, theta, 53), theta.allFinite()});
+        auto const answer = [&] {
+            Vector<double> const theta = window.theta();
+            return Answer{digits(s.exact, theta, 53), theta.allFinite()};
+        };
+        time_rows(
+            state, window.rows(), [] {}, [&] { return nanoseconds_of([&] { window.refactor(); }); }, answer);
     });
 }
 
@@ -48,18 +50,19 @@ void add_state(Index size) {
         F filter(s.problem), other(s.problem);
         stretch<Theta::unasked>(filter, s.records.psi, s.records.y, 0, s.scored);
         std::vector<std::byte> bytes(state_size(filter));
-        Stopwatch watch(state, 1);
         StateFault fault = StateFault::none;
-        for (auto _ : state)
-            watch.add([] {},
-                      [&] {
-                          return nanoseconds_of([&] {
-                              save(filter, bytes);
-                              fault = load(other, bytes);
-                          });
-                      });
-        Vector<double> const theta = other.theta();
-        watch.finish({fault == StateFault::none ? digits(s.exact, theta, 53) : 0, theta.allFinite()});
+        time_rows(
+            state, 1, [] {},
+            [&] {
+                return nanoseconds_of([&] {
+                    save(filter, bytes);
+                    fault = load(other, bytes);
+                });
+            },
+            [&] {
+                Vector<double> const theta = other.theta();
+                return Answer{fault == StateFault::none ? digits(s.exact, theta, 53) : 0, theta.allFinite()};
+            });
         state.counters["bytes"] = double(bytes.size());
     });
 }
@@ -75,21 +78,21 @@ void add_certified() {
                 Vector<T> const y = s.records.y.template cast<T>();
                 Ud<T, N> alone(problem_in<T>(s.problem));
                 Certified<Ud<T, N>, 3, L> filter(problem_in<T>(s.problem));
-                Stopwatch watch(state, y.size());
                 double update = std::numeric_limits<double>::infinity(), check = update;
-                for (auto _ : state)
-                    watch.add(
-                        [&] {
-                            update = std::min(update,
-                                              stretch<Theta::unasked>(alone, psi, y, 0, y.size()) / double(y.size()));
-                            check = std::min(check, nanoseconds_of([&] {
-                                                 auto const found = filter.certificate();
-                                                 do_not_optimize(found);
-                                             }));
-                        },
-                        [&] { return stretch<Theta::unasked>(filter, psi, y, 0, y.size()); });
-                Vector<double> const theta = Vector<T>(filter.theta()).template cast<double>();
-                watch.finish({0, theta.allFinite()});
+                time_rows(
+                    state, y.size(),
+                    [&] {
+                        update =
+                            std::min(update, stretch<Theta::unasked>(alone, psi, y, 0, y.size()) / double(y.size()));
+                        check = std::min(check, nanoseconds_of([&] {
+                                             auto const found = filter.certificate();
+                                             do_not_optimize(found);
+                                         }));
+                    },
+                    [&] { return stretch<Theta::unasked>(filter, psi, y, 0, y.size()); },
+                    [&] {
+                        return Answer{0, Vector<T>(filter.theta()).allFinite()};
+                    });
                 state.counters["over_ud"] = double(state.counters["ns_per_update"]) / update;
                 state.counters["check"] = check / update;
             });

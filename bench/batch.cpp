@@ -1,7 +1,9 @@
 // batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts
-// on several cores; reference/ROWSxSIZE: the certified solution.
-#include "bench/rows.hpp"
+// on several cores. large/VARIANT/double/SIZE: one filter of many parameters, rows one by one; VARIANT_rows_known: in
+// blocks.
+#include "bench/large.hpp"
 
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/many/fold_all.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -29,27 +31,18 @@ void add_threads(unsigned threads) {
         });
 }
 
-/// The digits are proven, and at most the 30 to which the solution is certified.
-void reference(benchmark::State& state, Index rows, Index size) {
-    Scenario const& scenario = batch(rows, size);
-    Stopwatch watch(state, rows);
-    double radius = 1;
-    for (auto _ : state)
-        watch.add([] {},
-                  [&] {
-                      return nanoseconds_of(
-                          [&] { radius = certified(scenario.problem, scenario.records, {rows}).front().radius(); });
-                  });
-    watch.finish({std::min(-std::log10(radius), 30.0), std::isfinite(radius)});
-}
-
 Rows const added([] {
     for_each(Variants<double>{}, []<class F>() {
         if constexpr (TakesBlocks<F> && StartsWithoutPrior<F>) add_blocks<F>();
     });
     for (unsigned threads : {1u, 2u}) add_threads(threads);
-    for (Index size : {10, 20})
-        add_row("reference/" + shape(100000, size), [=](benchmark::State& state) { reference(state, 100000, size); });
+    using T = double;
+    for_each(TypeList<Conventional<T>, Ud<T>, UdDelta<T>, Carlson<T>, InverseQr<T>>{}, []<class F>() {
+        add_large_rows<F>();
+        add_large_rows<F, InBlocks>(std::string(F::name) + "_rows_known");
+    });
+    for_each(TypeList<Symmetric<T>, CarlsonDelta<T>, InverseQrDelta<T>, Potter<T>, Qr<T>, Gentleman<T>>{},
+             []<class F>() { add_large_rows<F>(); });
 });
 
 }  // namespace

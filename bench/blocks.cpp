@@ -1,4 +1,4 @@
-// Blocks of rows, many outputs: our forms beside OpenBLAS, LAPACK and GSL, in turns.
+// Blocks of rows, many outputs: our forms beside OpenBLAS and LAPACK, in turns.
 //   rlslab_bench_blocks [--outputs M] [--blocks B] [--rounds N] [--gamma G] [--threads T] [SIZE...]
 //       a table for each size: microseconds a row, the median over the rounds and the range; beside that of P -= K G'
 //       in double; the share of OpenBLAS' rate of the products d x d by d x 256 that it reaches; digits of the first
@@ -10,10 +10,6 @@
 
 #include <Eigen/src/misc/blas.h>
 #include <Eigen/src/misc/lapacke.h>
-#ifdef RLSLAB_BENCH_GSL
-#include <gsl/gsl_multilarge.h>
-#endif
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
@@ -163,31 +159,6 @@ struct Geqrf {
         return theta;
     }
 };
-#ifdef RLSLAB_BENCH_GSL
-/// GSL's TSQR, which has one output.
-struct Gsl {
-    gsl_multilarge_linear_workspace* w;
-    explicit Gsl(int d) : w(gsl_multilarge_linear_alloc(gsl_multilarge_linear_tsqr, size_t(d))) {
-        Matrix<double> R = std::sqrt(regularisation) * Matrix<double>::Identity(d, d);
-        feed(R, Matrix<double>::Zero(d, 1));
-    }
-    Gsl(Gsl const&) = delete;
-    ~Gsl() { gsl_multilarge_linear_free(w); }
-    void feed(Matrix<double> X, Matrix<double> y) {  // which it overwrites
-        auto A = gsl_matrix_view_array(X.data(), size_t(X.cols()), size_t(X.rows()));
-        auto b = gsl_vector_view_array(y.data(), size_t(X.cols()));
-        gsl_multilarge_linear_accumulate(&A.matrix, &b.vector, w);
-    }
-    void take(Matrix<double> const& X, Matrix<double> const& Y) { feed(X, Y.col(0)); }
-    Matrix<double> solved() const {
-        Matrix<double> theta(Index(w->p), 1);
-        auto c = gsl_vector_view_array(theta.data(), w->p);
-        double residual, size;
-        gsl_multilarge_linear_solve(0, &c.vector, &residual, &size, w);
-        return theta;
-    }
-};
-#endif
 template <class F>
 struct Ours {
     using T = typename F::scalar;
@@ -294,9 +265,6 @@ void table(int d) {
         row<Ours<JosephRankTwo<double>>, double>("joseph_rank_two", "each block", 4 + 2 * m, data),
         row<Ours<JosephRankTwo<float>>, float>("joseph_rank_two", "each block", 4 + 2 * m, data),
     };
-#ifdef RLSLAB_BENCH_GSL
-    if (outputs == 1) rows.push_back(row<Gsl, double>("GSL TSQR", "once", 2 + 2 * m, data));
-#endif
     std::vector<double> in_double, in_float;
     for (int round = 0; round < rounds; ++round) {
         in_double.push_back(rate<double>(d)), in_float.push_back(rate<float>(d));

@@ -18,8 +18,7 @@ std::vector<Index> const sizes{8, 16, 32, 64, 128, 256};
 /// The filters' data with the prior of the fast forms, delta = 1/10: certified anew.
 Scenario const& fast_scenario(Index size) {
     static std::map<Index, Scenario> made;
-    auto found = made.find(size);
-    if (found != made.end()) return found->second;
+    if (auto const found = made.find(size); found != made.end()) return found->second;
     Scenario out = tapped_delay_line(size);
     Matrix<double> P0 = Matrix<double>::Zero(size, size);
     double p = out.problem.prior->variance;
@@ -83,21 +82,22 @@ public:
     }
     void run(benchmark::State& state) const {
         Index const rows = Index(u_.size()) - scenario_.scored;
-        Stopwatch watch(state, rows);
         F form = scored_;
         bool finite = true;
-        for (auto _ : state)
-            watch.add([&] { form = scored_; },
-                      [&] {
-                          return nanoseconds_of([&] {
-                              for (size_t k = size_t(scenario_.scored); k < u_.size(); ++k) {
-                                  Step<T> const step = form.update(u_[k], y_[k]);
-                                  do_not_optimize(step);
-                                  finite = finite && step.health == Health::sound;
-                              }
-                          });
-                      });
-        watch.finish({digits_, finite});
+        time_rows(
+            state, rows, [&] { form = scored_; },
+            [&] {
+                return nanoseconds_of([&] {
+                    for (size_t k = size_t(scenario_.scored); k < u_.size(); ++k) {
+                        Step<T> const step = form.update(u_[k], y_[k]);
+                        do_not_optimize(step);
+                        finite = finite && step.health == Health::sound;
+                    }
+                });
+            },
+            [&] {
+                return Answer{digits_, finite};
+            });
         state.SetLabel(F::name == "fd01ad" ? "peer" : "fast form");
     }
 };
@@ -106,7 +106,7 @@ template <class F>
 void add_fast_row() {
     std::string const arithmetic = std::same_as<typename F::scalar, float> ? "float" : "double";
     for (Index const size : sizes)
-        add_row("variants/fast/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
+        add_row("fast/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
                 [=](benchmark::State& state) {
                     static std::map<Index, FastRow<F>> made;
                     made.try_emplace(size, fast_scenario(size)).first->second.run(state);

@@ -4,6 +4,7 @@
 #include "bench/choice.hpp"
 #include "bench/rows.hpp"
 
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::bench {
@@ -12,13 +13,10 @@ namespace {
 template <int N>
 void add() {
     for_each(Variants<double>{}, []<class F>() { add_filter_row<AtSize<F, N>>("fixed", N); });
-    if constexpr (N < 8) {
-        add_filter_row<by_hand::Conventional<N>>("fixed", N);
-        add_filter_row<by_hand::Symmetric<N>>("fixed", N);
-        add_filter_row<by_hand::Ud<N>>("fixed", N);
-        add_filter_row<by_hand::Potter<N>>("fixed", N);
-        add_filter_row<by_hand::Carlson<N>>("fixed", N);
-    }
+    if constexpr (N < 8)
+        for_each(TypeList<by_hand::Conventional<N>, by_hand::Symmetric<N>, by_hand::Ud<N>, by_hand::Potter<N>,
+                          by_hand::Carlson<N>>{},
+                 []<class F>() { add_filter_row<F>("fixed", N); });
 }
 
 Rows const added([] {

@@ -37,40 +37,28 @@ struct LargeScenario {
     }
 };
 
-/// large/NAME/double/SIZE: a new filter and a few rows, of which the first is not timed. process_rows(filter, psi, y)
-/// takes rows.
-template <class F, class Process>
-void add_large_rows(std::string const& name, Process process_rows) {
+/// large/NAME/double/SIZE: a new filter and a few rows, of which the first is not timed.
+template <class F, class Feed = OneByOne>
+void add_large_rows(std::string const& name = std::string(F::name)) {
     for (Index size : large_sizes)
         add_row("large/" + name + "/double/" + std::to_string(size), [=](benchmark::State& state) {
             static std::map<Index, LargeScenario> made;
             LargeScenario const& scenario = made.try_emplace(size, size).first->second;
             Index const timed = LargeScenario::rows - 1;
-            Stopwatch watch(state, timed);
             F start(scenario.problem);
-            process_rows(start, scenario.psi.leftCols(1), scenario.y.head(1));
+            Feed{}(start, scenario.psi, scenario.y, 0, 1);
             F filter = start;
-            for (auto _ : state)
-                watch.add([&] { filter = start; },
-                          [&] {
-                              return nanoseconds_of([&] {
-                                  process_rows(filter, scenario.psi.rightCols(timed), scenario.y.tail(timed));
-                                  do_not_optimize(filter);
-                              });
-                          });
-            Vector<double> const theta = filter.theta();
-            double const error = (theta - scenario.theta).cwiseAbs().maxCoeff() / scenario.theta.cwiseAbs().maxCoeff();
-            double const most = std::numeric_limits<double>::digits * std::log10(2.0);
-            watch.finish({theta.allFinite() ? std::min(-std::log10(error), most) : 0, theta.allFinite()});
+            time_rows(
+                state, timed, [&] { filter = start; },
+                [&] { return Feed{}(filter, scenario.psi, scenario.y, 1, LargeScenario::rows); },
+                [&] {
+                    Vector<double> const theta = filter.theta();
+                    double const error =
+                        (theta - scenario.theta).cwiseAbs().maxCoeff() / scenario.theta.cwiseAbs().maxCoeff();
+                    double const most = std::numeric_limits<double>::digits * std::log10(2.0);
+                    return Answer{theta.allFinite() ? std::min(-std::log10(error), most) : 0, theta.allFinite()};
+                });
             state.SetLabel(family_of(filter));
         });
 }
-/// One row after another.
-template <class F>
-void add_large_rows() {
-    add_large_rows<F>(std::string(F::name), [](F& filter, auto const& psi, auto const& y) {
-        for (Index k = 0; k < y.size(); ++k) filter.update({psi.col(k).data(), psi.rows()}, y[k]);
-    });
-}
-
 }  // namespace rlslab::bench

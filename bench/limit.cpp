@@ -59,37 +59,35 @@ Answer exact_or_none(double found, double expected) {
 void read(benchmark::State& state, Index count) {
     Numbers x(count);
     int const passes = passes_over(count);
-    Stopwatch watch(state, passes);
     double total = 0;
-    for (auto _ : state)
-        watch.add([&] { total = 0; },
-                  [&] {
-                      return nanoseconds_of([&] {
-                          for (int k = 0; k < passes; ++k) {
-                              total += sum(x.lanes(), count);
-                              do_not_optimize(total);
-                          }
-                      });
-                  });
-    watch.finish(exact_or_none(total, passes * 7.5 * double(count)));
+    time_rows(
+        state, passes, [&] { total = 0; },
+        [&] {
+            return nanoseconds_of([&] {
+                for (int k = 0; k < passes; ++k) {
+                    total += sum(x.lanes(), count);
+                    do_not_optimize(total);
+                }
+            });
+        },
+        [&] { return exact_or_none(total, passes * 7.5 * double(count)); });
 }
 
 void read_modify_write(benchmark::State& state, Index count) {
     Numbers y(count);
     int const passes = passes_over(count);
-    Stopwatch watch(state, passes);
     double before = 0;
-    for (auto _ : state)
-        watch.add([&] { before = sum(y.lanes(), count); },
-                  [&] {
-                      return nanoseconds_of([&] {
-                          for (int k = 0; k < passes; ++k) {
-                              increase(y.lanes(), 1, count);
-                              do_not_optimize(y);
-                          }
-                      });
-                  });
-    watch.finish(exact_or_none(sum(y.lanes(), count) - before, passes * double(count)));
+    time_rows(
+        state, passes, [&] { before = sum(y.lanes(), count); },
+        [&] {
+            return nanoseconds_of([&] {
+                for (int k = 0; k < passes; ++k) {
+                    increase(y.lanes(), 1, count);
+                    do_not_optimize(y);
+                }
+            });
+        },
+        [&] { return exact_or_none(sum(y.lanes(), count) - before, passes * double(count)); });
 }
 
 Rows const added([] {

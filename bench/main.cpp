@@ -1,13 +1,14 @@
 // rlslab_bench: times rows, and shows what a run has. Exit code: 0; 2 no answer.
-#include "bench/baseline.hpp"
+#include "bench/choice.hpp"
 #include "bench/results.hpp"
-#include "bench/verbs.hpp"
 
 #include <rlslab/core/files.hpp>
 
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
 
 namespace {
 
@@ -24,15 +25,19 @@ constexpr char verbs[] = R"(expected one of
                               rows a second of the ranks of an MPI job, which it starts by mpirun
                               (in builds with MPI))";
 
+/// make(the text of the file). Throws std::runtime_error, with the file's name before any complaint; `missing` where
+/// there is none.
 template <class Make>
-auto of_run(char const* path, Make make) {
-    return made_from(path, "not there (./lab bench makes it)", make);
+auto made_from(char const* path, char const* missing, Make make) {
+    try {
+        std::ifstream file(path, std::ios::binary);
+        if (!file) throw std::runtime_error(missing);
+        return make(std::string{std::istreambuf_iterator<char>(file), {}});
+    } catch (std::exception const& error) {
+        throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
+    }
 }
-
-/// What was recorded so far; nothing where there is no such file.
-Baselines recorded(char const* path) {
-    return std::filesystem::exists(path) ? made_from(path, "cannot be read", read_baselines) : Baselines{};
-}
+auto of_run(char const* path, auto make) { return made_from(path, "not there (./lab bench makes it)", make); }
 
 }  // namespace
 
@@ -50,11 +55,11 @@ int main(int argc, char** argv) try {
     if (verb == "page" && argc == 4) return rlslab::replace_file(argv[3], page_of(of_run(argv[2], run_of))), 0;
     if (verb == "table" && argc == 3) return fmt::print("{}", table_of_times(of_run(argv[2], run_of))), 0;
     if ((verb != "record" && verb != "add") || argc != 4) throw std::runtime_error(verbs);
-    Baseline const now = of_run(argv[2], baseline_of);
-    Baselines all = recorded(argv[3]);
-    verb == "add" ? add(all, now) : record(all, now);
-    rlslab::replace_file(argv[3], written(all));
-    fmt::print("{} rows recorded of {}\n", of_machine(all, now.machine).rows.size(), now.machine);
+    std::string const before = std::filesystem::exists(argv[3])
+                                   ? made_from(argv[3], "cannot be read", [](std::string const& text) { return text; })
+                                   : "";
+    auto const with_it = [&](std::string const& run) { return recorded(before, run, verb == "add"); };
+    rlslab::replace_file(argv[3], of_run(argv[2], with_it));
     return 0;
 } catch (std::exception const& error) {
     fmt::print(stderr, "rlslab_bench: {}\n", error.what());

@@ -1,5 +1,5 @@
 // The program of rlslab_add_bench: the variants, Eigen's textbook form and a class of one's own.
-#include "bench/verbs.hpp"
+#include "bench/choice.hpp"
 
 #include <cstdio>
 #include <exception>

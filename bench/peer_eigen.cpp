@@ -3,6 +3,7 @@
 #include "bench/rows.hpp"
 
 #include <Eigen/Dense>
+#include <rlslab/core/type_list.hpp>
 
 namespace rlslab::bench {
 namespace {
@@ -19,6 +20,7 @@ class EigenTextbook {
 
 public:
     using scalar = double;
+    static constexpr Index size = N;
     static constexpr std::string_view name = N == Dynamic ? "eigen_textbook" : "eigen_textbook_fixed";
 
     explicit EigenTextbook(Problem<double> const& problem)
@@ -56,11 +58,8 @@ void add_normal_equations() {
 
 Rows const added([] {
     for (Index size : choice().sizes) add_filter_row<EigenTextbook<Dynamic>>("peer", size);
-    add_filter_row<EigenTextbook<2>>("fixed", 2);
-    add_filter_row<EigenTextbook<3>>("fixed", 3);
-    add_filter_row<EigenTextbook<4>>("fixed", 4);
-    add_filter_row<EigenTextbook<6>>("fixed", 6);
-    add_filter_row<EigenTextbook<8>>("fixed", 8);
+    for_each(TypeList<EigenTextbook<2>, EigenTextbook<3>, EigenTextbook<4>, EigenTextbook<6>, EigenTextbook<8>>{},
+             []<class F>() { add_filter_row<F>("fixed", F::size); });
     add_householder();
     add_normal_equations();
 });

@@ -1,5 +1,5 @@
 // As OpenBLAS has it, on one thread: peer/lapack_dgels/ROWSxSIZE, LAPACK's least squares driver;
-// peer/normal_equations_openblas/ROWSxSIZE, by dsyrk; peer/cholesky_qr2/ROWSxSIZE, QR by two Cholesky factorisations.
+// peer/normal_equations_openblas/ROWSxSIZE, by dsyrk.
 #include "bench/rows.hpp"
 
 #include <Eigen/Cholesky>
@@ -10,10 +10,6 @@ extern "C" void dgels_(char const* trans, int const* m, int const* n, int const*
 extern "C" void dsyrk_(char const* uplo, char const* trans, int const* n, int const* k, double const* alpha,
                        double const* a, int const* lda, double const* beta, double* c, int const* ldc,
                        std::size_t uplo_length, std::size_t trans_length);
-extern "C" void dtrsm_(char const* side, char const* uplo, char const* trans, char const* diag, int const* m,
-                       int const* n, double const* alpha, double const* a, int const* lda, double* b, int const* ldb,
-                       std::size_t side_length, std::size_t uplo_length, std::size_t trans_length,
-                       std::size_t diag_length);
 extern "C" void openblas_set_num_threads(int threads);
 
 namespace rlslab::bench {
@@ -36,49 +32,12 @@ Vector<double> solve(Data& data) {
     return data.y.head(n);
 }
 
-/// C's lower triangle += A A', A of `columns` columns.
-void add_squares(Matrix<double>& C, double const* A, Index columns) {
-    int const n = int(C.rows()), k = int(columns);
-    double const one = 1;
-    dsyrk_("L", "N", &n, &k, &one, A, &n, &one, C.data(), &n, 1, 1);
-}
-
 Vector<double> solve_normal_equations(Records const* records) {
     Matrix<double> M = Matrix<double>::Zero(records->parameters(), records->parameters());
-    add_squares(M, records->psi.data(), records->rows());
+    int const n = int(M.rows()), k = int(records->rows());
+    double const one = 1;
+    dsyrk_("L", "N", &n, &k, &one, records->psi.data(), &n, &one, M.data(), &n, 1, 1);
     return M.selfadjointView<Eigen::Lower>().llt().solve(records->psi * records->y);
-}
-
-/// CholeskyQR2 of [Psi y], by columns as the records lie: L1 L1' = A A', the rows are divided by L1 a block at a time
-/// while it is in cache, L2 L2' = Q Q' of what comes, L = L1 L2. Its guard is the condition number at which the second
-/// factorisation is no longer proven to mend the first, 8 kappa sqrt(m d u + d (d + 1) u) <= 1, kappa by L1's Frobenius
-/// norms; beyond it theta is left NaN, as someone who has to answer would go on with another QR. Source: Yamamoto,
-/// Nakatsukasa, Yanagisawa & Fukaya 2015.
-Vector<double> solve_cholesky_qr2(Matrix<double> const& A) {
-    constexpr Index block = 256;
-    Index const d = A.rows(), m = A.cols();
-    Matrix<double> first = Matrix<double>::Zero(d, d), second = Matrix<double>::Zero(d, d), Q(d, block);
-    add_squares(first, A.data(), m);
-    Eigen::LLT<Eigen::Ref<Matrix<double>>> const one(first);
-    Matrix<double> const L1 = one.matrixL();
-    double const kappa = L1.norm() * L1.triangularView<Eigen::Lower>().solve(Matrix<double>::Identity(d, d)).norm();
-    double const u = std::numeric_limits<double>::epsilon() / 2;
-    if (one.info() != Eigen::Success || !(8 * kappa * std::sqrt(double(m * d + d * (d + 1)) * u) <= 1))
-        return Vector<double>::Constant(d - 1, std::numeric_limits<double>::quiet_NaN());
-    int const n = int(d);
-    double const unit = 1;
-    for (Index k = 0; k < m; k += block) {
-        int const taken = int(std::min(block, m - k));
-        Q.leftCols(taken) = A.middleCols(k, taken);
-        dtrsm_("L", "L", "N", "N", &n, &taken, &unit, L1.data(), &n, Q.data(), &n, 1, 1, 1, 1);
-        add_squares(second, Q.data(), taken);
-    }
-    Eigen::LLT<Eigen::Ref<Matrix<double>>> const two(second);
-    Matrix<double> const L = L1 * Matrix<double>(two.matrixL());
-    return L.topLeftCorner(d - 1, d - 1)
-        .transpose()
-        .triangularView<Eigen::Upper>()
-        .solve(L.row(d - 1).head(d - 1).transpose());
 }
 
 Rows const added([] {
@@ -91,14 +50,6 @@ Rows const added([] {
         solve);
     add_batch_rows(
         "peer/normal_equations_openblas", [](Records const& records) { return &records; }, solve_normal_equations);
-    add_batch_rows(
-        "peer/cholesky_qr2",
-        [](Records const& records) {
-            Matrix<double> A(records.parameters() + 1, records.rows());
-            A << records.psi, records.y.transpose();
-            return A;
-        },
-        solve_cholesky_qr2);
 });
 
 }  // namespace

@@ -1,5 +1,5 @@
 // What one rank folds in a second, and what merging costs: the figures of the model in docs/scale.md.
-#include "bench/verbs.hpp"
+#include "bench/results.hpp"
 
 #include <rlslab/many/mpi_ranks.hpp>
 #include <rlslab/variants/qr_block.hpp>

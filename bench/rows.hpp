@@ -43,29 +43,23 @@ struct Answer {
     bool finite;
 };
 
-/// Times an iteration without its preparation. A row is quoted by the least time over all iterations. Google
-/// Benchmark's own time is their mean, and contains the cost of stopping and starting its clock.
-class Stopwatch {
-    benchmark::State& state_;
-    double const updates_;  // in one iteration
-    double least_ = std::numeric_limits<double>::infinity();
-
-public:
-    Stopwatch(benchmark::State& state, Index updates) : state_(state), updates_(double(updates)) {}
-    /// One iteration: timed() gives the nanoseconds it took.
-    template <class Prepare, class Timed>
-    void add(Prepare prepare, Timed timed) {
-        state_.PauseTiming();
+/// The rows of a Google Benchmark: timed() gives the nanoseconds that so many updates took, without prepare(). A row is
+/// quoted by the least time over all iterations. Google Benchmark's own time is their mean, and contains the cost of
+/// stopping and starting its clock.
+template <class Prepare, class Timed, class AnswerOf>
+void time_rows(benchmark::State& state, Index updates, Prepare prepare, Timed timed, AnswerOf answer) {
+    double least = std::numeric_limits<double>::infinity();
+    for (auto _ : state) {
+        state.PauseTiming();
         prepare();
-        state_.ResumeTiming();
-        least_ = std::min(least_, timed() / updates_);
+        state.ResumeTiming();
+        least = std::min(least, timed() / double(updates));
     }
-    void finish(Answer const& answer) {
-        state_.counters["ns_per_update"] = least_;
-        state_.counters["digits"] = answer.digits;
-        state_.counters["finite"] = answer.finite;
-    }
-};
+    Answer const found = answer();
+    state.counters["ns_per_update"] = least;
+    state.counters["digits"] = found.digits;
+    state.counters["finite"] = found.finite;
+}
 
 template <class Run>
 void add_row(std::string const& name, Run run) {
@@ -128,12 +122,33 @@ Singles singles(Index steps, Begin begin, Step step) {
     return {at(0.5), at(0.99), at(1), times.size() < enough ? 0 : at(0.9999)};
 }
 
+/// How a filter is given rows first ... last-1: one by one.
+struct OneByOne {
+    double operator()(auto& filter, auto const& psi, auto const& y, Index first, Index last) const {
+        return stretch<Theta::unasked>(filter, psi, y, first, last);
+    }
+};
+/// As many at once as `process` passes.
+struct InBlocks {
+    double operator()(auto& filter, auto const& psi, auto const& y, Index first, Index last) const {
+        return nanoseconds_of([&] {
+            constexpr Index at_once = 64;
+            for (Index k = first; k < last; k += at_once) {
+                Index const count = std::min(at_once, last - k);
+                rows_at_once(filter, psi.middleCols(k, count), y.segment(k, count));
+            }
+            do_not_optimize(filter);
+        });
+    }
+};
+
 /// F, a variant, what is around one, or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are
 /// independent. Fed with the scored rows of the scenario it gives its digits; every timed stretch starts from there.
-template <class F>
+template <class F, class Feed>
 class FilterRow {
     using T = typename F::scalar;
     using Rows = Matrix<T>;
+    static constexpr Feed feed{};
     Scenario const& scenario_;
     Rows psi_;
     Vector<T> y_;
@@ -161,17 +176,19 @@ public:
     explicit FilterRow(Scenario const& scenario)
         : scenario_(scenario), psi_(scenario_.records.psi.template cast<T>()),
           y_(scenario_.records.y.template cast<T>()), scored_(problem_in<T>(scenario_.problem)) {
-        stretch<Theta::unasked>(scored_, psi_, y_, 0, scenario_.scored);
+        feed(scored_, psi_, y_, 0, scenario_.scored);
         digits_ = digits(scenario_.exact, theta(scored_), std::numeric_limits<T>::digits);
     }
     void run(benchmark::State& state) const {
         Index const rows = y_.size() - scenario_.scored;
-        Stopwatch watch(state, rows);
         F filter = scored_;
-        for (auto _ : state)
-            watch.add([&] { filter = scored_; },
-                      [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
-        watch.finish({digits_, theta(filter).allFinite()});
+        time_rows(
+            state, rows, [&] { filter = scored_; }, [&] { return feed(filter, psi_, y_, scenario_.scored, y_.size()); },
+            [&] {
+                return Answer{digits_, theta(filter).allFinite()};
+            });
+        state.SetLabel(family_of(filter));
+        if (!std::same_as<Feed, OneByOne>) return;
         state.counters["ns_theta"] = nanoseconds_of_theta(filter);
         auto const begin = [&] { filter = scored_; };
         auto const step = [&](Index k) {
@@ -183,17 +200,16 @@ public:
             state.counters["ns_p50"] = single.median, state.counters["ns_p99"] = single.p99;
             state.counters["ns_p9999"] = single.p9999, state.counters["ns_largest"] = single.longest;
         }
-        state.SetLabel(family_of(filter));
     }
 };
 
 /// group/NAME/ARITHMETIC/SIZE. Google Benchmark calls a row several times; its scored filter is made once.
-template <class F>
+template <class F, class Feed = OneByOne>
 void add_filter_row(std::string const& group, Index size, Scenario const& (*scenario)(Index) = tapped_delay_line) {
     std::string const arithmetic = std::same_as<typename F::scalar, float> ? "float" : "double";
     add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
             [=](benchmark::State& state) {
-                static std::map<Index, FilterRow<F>> made;
+                static std::map<Index, FilterRow<F, Feed>> made;
                 try {
                     made.try_emplace(size, scenario(size)).first->second.run(state);
                 } catch (std::exception const& error) {  // of a class of somebody's own
@@ -208,13 +224,14 @@ void add_filter_row(std::string const& group, Index size, Scenario const& (*scen
 /// outside the time: a copy of what the library overwrites, in the layout in which it is fastest.
 template <class Prepare, class Solve>
 void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepare, Solve solve) {
-    Stopwatch watch(state, scenario.records.rows());
     Vector<double> theta;
     std::optional<decltype(prepare(scenario.records))> input;
-    for (auto _ : state)
-        watch.add([&] { input.emplace(prepare(scenario.records)); },
-                  [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
-    watch.finish({digits(scenario.exact, theta, std::numeric_limits<double>::digits), theta.allFinite()});
+    time_rows(
+        state, scenario.records.rows(), [&] { input.emplace(prepare(scenario.records)); },
+        [&] { return nanoseconds_of([&] { theta = solve(*input); }); },
+        [&] {
+            return Answer{digits(scenario.exact, theta, std::numeric_limits<double>::digits), theta.allFinite()};
+        });
 }
 
 /// group/NAME/ROWSxSIZE for every batch shape.

@@ -2,7 +2,6 @@
 // Where a user chose: a table for each size, with the times of single updates.
 #include "bench/choice.hpp"
 #include "bench/rows.hpp"
-#include "bench/verbs.hpp"
 
 #include <rlslab/core/files.hpp>
 #include <rlslab/linalg/isa_name.hpp>
@@ -138,14 +137,14 @@ std::string processor(std::string const& key) {
     return "?";
 }
 
-}  // namespace
-
-char const* const run_options = R"(      --sizes 5,12            one filter at a time, of these sizes (or 4,16,64)
+constexpr char run_options[] = R"(      --sizes 5,12            one filter at a time, of these sizes (or 4,16,64)
       --double, --float       in these arithmetics (or in double)
       --fixed                 variants whose size the compiler knows: 2, 3, 4, 6, 8
       --mine                  a class of one's own, where one is compiled in (docs/bench.md)
       --csv FILE              the table as CSV, too
 )";
+
+}  // namespace
 
 int run_rows(int argc, char** argv) {
     for (int i = 1; i < argc; ++i)

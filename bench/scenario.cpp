@@ -87,23 +87,6 @@ Scenario const& batch(Index rows, Index size) {
     });
 }
 
-Scenario const& interpolation(Index size) {
-    static std::map<Index, Scenario> made;
-    return once(made, size, [size] {
-        Seed seed{3};
-        Index const rows = 1024;
-        Matrix<double> psi = Matrix<double>::Zero(size, rows);
-        for (Index k = 0; k < rows; ++k) {
-            double const at = seed.uniform() * double(size - 1);
-            Index const i = Index(at);
-            psi(i, k) = rounded_to_float(1 - (at - double(i)));
-            psi(i + 1, k) = rounded_to_float(at - double(i));
-        }
-        return measured({.size = size, .forgetting = 1, .prior = Prior<double>{.variance = 10}}, std::move(psi), rows,
-                        seed);
-    });
-}
-
 double digits(CertifiedSolution const& exact, Vector<double> const& theta, int arithmetic_bits) {
     if (!theta.allFinite()) return 0;
     return std::min(exact.theta_digits(theta.unaryExpr([](double x) { return Reference(x); })),

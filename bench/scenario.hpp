@@ -16,7 +16,7 @@ struct Scenario {
 };
 
 /// The filters' scenario: a transversal filter of d taps fed with white noise, psi_k = (x_k, x_{k-1}, ..., x_{k-d+1}),
-/// x = 0 before the first row. lambda = 0.99 and P0 = 10 I, because liquid takes a delay line and has that P0 built in.
+/// x = 0 before the first row. lambda = 0.99 and P0 = 10 I, because liquid-dsp takes a delay line and has that P0 built in.
 Scenario const& tapped_delay_line(Index size);
 
 /// A window over the same rows: its solution is that of the last window_rows(size) of the scored rows, and of the
@@ -29,9 +29,6 @@ Scenario const& rows_of_window(Index size);
 
 /// The batches' scenario: the same regressors, so many rows, lambda = 1, no prior; all rows are scored.
 Scenario const& batch(Index rows, Index size);
-
-/// The sparse variants' scenario: each row interpolates between two neighbouring parameters. lambda = 1, P0 = 10 I.
-Scenario const& interpolation(Index size);
 
 /// How many rows a filter is timed on before it is put back to where it was scored: few enough that the textbook forms
 /// stay finite and the data stay in L1, enough that reading the clock does not show.

@@ -41,7 +41,7 @@ if(TARGET rlslab_bench)
   install(TARGETS rlslab_bench DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT bench)
   install(FILES ${PROJECT_SOURCE_DIR}/bench/add_bench.cmake DESTINATION ${package_dir} COMPONENT bench)
   foreach(file own_main.cpp run.cpp choice.cpp choice.hpp scenario.cpp scenario.hpp update.cpp rows.hpp
-      verbs.hpp measured.hpp peer_eigen.cpp peer_mine.cpp)
+      peer_eigen.cpp peer_mine.cpp)
     install(FILES ${PROJECT_SOURCE_DIR}/bench/${file} DESTINATION ${package_dir}/bench COMPONENT bench)
   endforeach()
 endif()

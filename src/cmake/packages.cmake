@@ -105,9 +105,8 @@ file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 set(linked_with "")
 if(TARGET rlslab_sparse)
   set(linked_with "
-/usr/bin/rlslab and /usr/bin/rlslab_bench link SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU
-General Public License, version 2 or later (on Debian /usr/share/common-licenses/GPL-2). Each as a whole may be passed
-on under that licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends
+/usr/bin/rlslab links SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU General Public License,
+version 2 or later (on Debian /usr/share/common-licenses/GPL-2). It as a whole may be passed on under that licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends
 on them.
 ")
 endif()

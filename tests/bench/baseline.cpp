@@ -1,14 +1,12 @@
-// The times on record: read and written, of one kind of machine, added to. The table of times.
-#include "bench/baseline.hpp"
+// The times on record: of one kind of machine, added to. The table of times. The choice of rows.
 #include "bench/by_hand.hpp"
 #include "bench/choice.hpp"
-#include "bench/measured.hpp"
+#include "bench/results.hpp"
 
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,101 +18,75 @@ namespace {
 using namespace rlslab::bench;
 using testing::ElementsAre;
 
-/// A run: the unit row, in its last repetition so many times as long, and a row whose times are these, both on a clock
-/// of its own.
-std::string run(std::vector<double> const& times, double clock = 1, double disturbed = 1,
-                std::string const& instructions = "avx2") {
+/// A run: the unit row and update/ud/double/16, whose times are these, and another row of one; all on this clock.
+std::string run(std::vector<double> const& times, double clock = 1, std::string const& instructions = "avx2",
+                std::string const& other = "batch/qr_block/200000x10") {
     std::string rows;
-    for (size_t i = 0; i < times.size(); ++i)
-        for (auto const& [name, time] : {std::pair{std::string(unit_row), i + 1 < times.size() ? 10.0 : 10 * disturbed},
-                                         std::pair{std::string("update/ud/double/16"), times[i]}})
-            rows += fmt::format(
-                R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
-                rows.empty() ? "" : ",", name, i, time * clock);
+    for (double const time : times)
+        for (auto const& [name, of] :
+             {std::pair{std::string(unit_row), 10.0}, {"update/ud/double/16", time}, {other, 7}})
+            rows += fmt::format(R"({}{{"run_name": "{}", "run_type": "iteration", "ns_per_update": {}}})",
+                                rows.empty() ? "" : ",", name, of * clock);
+    // Of numbers whose mean is 0 Google Benchmark writes NaN: thirteen minutes of benchmarks ended in a parse error.
+    rows += R"(,{"run_name": "r", "run_type": "aggregate", "ns_per_update": 0.1, "ns_longest": NaN, "digits": -Infinity,
+        "label": "NaN, in words"})";
     return R"({"context": {"cpu": "a processor", "compiler": "a compiler", "instructions": ")" + instructions +
            R"("}, "benchmarks": [)" + rows + "]}";
 }
 std::vector<double> const quiet{100, 101, 102, 100, 103, 101, 102};
 
-/// Google Benchmark writes NaN for the relative scatter of numbers whose mean is 0: thirteen minutes of benchmarks
-/// ended in a parse error.
-TEST(BenchBaseline, ReadsAnAggregateThatIsNotANumber) {
-    std::string text = run(quiet);
-    text.insert(text.rfind("]}"),
-                R"(,{"run_name": "r", "run_type": "aggregate", "ns_per_update": 0.1, "ns_longest": NaN,
-        "digits": -Infinity, "label": "NaN, in words"})");
-    EXPECT_EQ(baseline_of(text).rows, baseline_of(run(quiet)).rows);
+std::string machine(std::string const& instructions, std::string const& rows) {
+    return fmt::format("  \"a processor, {}, a compiler\": {{\n   \"repetitions\": 7,\n   \"rows\": {{\n",
+                       instructions) +
+           "    \"limit/read_modify_write/8192\": [1,1,1],\n" + rows + "\n   }\n  }";
 }
-TEST(BenchBaseline, IsReadBackAsItWasWritten) {
-    Baselines const made{baseline_of(run(quiet)), baseline_of(run(quiet, 1, 1, "avx512"))};
-    Baselines const read = read_baselines(written(made));
-    ASSERT_EQ(read.size(), 2u);
-    EXPECT_EQ(read[0].machine, "a processor, avx2, a compiler");
-    EXPECT_EQ(read[1].machine, "a processor, avx512, a compiler");
-    EXPECT_EQ(read[0].repetitions, 7);
-    ASSERT_EQ(read[0].rows.size(), 2u);
-    EXPECT_NEAR(read[0].rows.at("update/ud/double/16").greatest, 10.3, 1e-3);
-    EXPECT_EQ(written(read), written(made));
-    EXPECT_TRUE(read_baselines(written({})).empty());
+std::string file(std::string const& machines) {
+    return "{\n \"unit_row\": \"limit/read_modify_write/8192\",\n \"machines\": {\n" + machines + "\n }\n}\n";
 }
-TEST(BenchBaseline, OfOneKindOfMachineLeavesTheOthers) {
-    Baselines all{baseline_of(run(quiet)), baseline_of(run(quiet, 1, 1, "avx512"))};
-    auto const other = all[1].rows;
-    Baseline const now = baseline_of(run({115, 112, 111, 118, 113, 112, 114}));
-    record(all, now);
-    ASSERT_EQ(all.size(), 2u);
-    EXPECT_EQ(of_machine(all, now.machine).rows, now.rows);
-    EXPECT_EQ(all[1].rows, other);
-    record(all, baseline_of(run(quiet, 1, 1, "baseline")));
-    EXPECT_EQ(names_of(all),
-              "a processor, avx2, a compiler (2 rows); a processor, avx512, a compiler (2 rows); "
-              "a processor, baseline, a compiler (2 rows)");
-    EXPECT_EQ(names_of({}), "none");
-    try {
-        of_machine(all, "another, avx2, a compiler");
-        FAIL() << "nothing is recorded of it";
-    } catch (std::runtime_error const& error) {
-        EXPECT_THAT(error.what(),
-                    testing::AllOf(testing::HasSubstr("another, avx2, a compiler"), testing::HasSubstr(names_of(all))));
-    }
+std::string const ud = "    \"update/ud/double/16\": [10,10.1,10.3]";
+
+TEST(BenchRecord, HasLeastMedianAndLargestOfAKindOfMachineAndLeavesTheOthers) {
+    std::string const one = recorded("", run(quiet, 3), false), two = recorded(one, run(quiet, 1, "avx512"), false);
+    EXPECT_EQ(one, file(machine("avx2", ud)));
+    EXPECT_EQ(two, file(machine("avx2", ud) + ",\n" + machine("avx512", ud)));
+    EXPECT_EQ(recorded(two, run({115, 112, 111, 118, 113, 112, 114}), false),
+              file(machine("avx2", "    \"update/ud/double/16\": [11.1,11.3,11.8]") + ",\n" + machine("avx512", ud)));
 }
 /// Rows of a later run beside those of an earlier one.
-TEST(BenchBaseline, TakesNewRowsWhereTheOldOnesStandAsTheyDid) {
-    auto const with_new_row = [](double factor) {
-        Baseline now = baseline_of(run(quiet, factor));
-        now.rows["update/ud/double/16"].middle *= factor;
-        now.rows["update/ud_delta/double/16"] = {11, 12, 13};
-        return now;
+TEST(BenchRecord, TakesNewRowsWhereTheOldOnesStandAsTheyDid) {
+    auto const later = [](double factor, std::string const& instructions = "avx2") {
+        std::vector<double> times = quiet;
+        for (double& time : times) time *= factor;
+        return run(times, 2, instructions, "update/aa/double/16");
     };
-    Baselines all{baseline_of(run(quiet))};
-    Baseline const before = all[0];
-    EXPECT_THROW(add(all, with_new_row(1.06)), std::runtime_error);
-    EXPECT_THROW(add(all, with_new_row(0.94)), std::runtime_error);
-    Baseline alone = with_new_row(1);
-    alone.rows.erase("update/ud/double/16");
-    EXPECT_THROW(add(all, alone), std::runtime_error) << "no old row says how the machine is";
-    EXPECT_THROW(add(all, baseline_of(run(quiet, 1, 1, "avx512"))), std::runtime_error) << "another machine";
-    EXPECT_EQ(all[0].rows, before.rows);
-    add(all, with_new_row(1.04));
-    EXPECT_EQ(all[0].rows.size(), 3u);
-    EXPECT_EQ(all[0].rows.at("update/ud/double/16"), before.rows.at("update/ud/double/16"));
-    EXPECT_EQ(all[0].rows.at("update/ud_delta/double/16").middle, 12);
+    std::string const before = recorded("", run(quiet), false);
+    EXPECT_EQ(recorded(before, later(1.04), true),
+              file(machine("avx2", "    \"update/aa/double/16\": [0.7,0.7,0.7],\n" + ud)));
+    EXPECT_THROW(recorded(before, later(1.06), true), std::runtime_error);
+    EXPECT_THROW(recorded(before, later(0.94), true), std::runtime_error);
+    EXPECT_THROW(recorded(file(machine("avx2", "    \"update/b/double/4\": [1,1,1]")), later(1), true),
+                 std::runtime_error)
+        << "no old row says how the machine is";
+    try {
+        recorded(before, later(1, "avx512"), true);
+        FAIL() << "nothing is recorded of it";
+    } catch (std::runtime_error const& error) {
+        EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("a processor, avx512, a compiler"),
+                                                 testing::HasSubstr("a processor, avx2, a compiler")));
+    }
 }
-/// The file of the tree: what was recorded is still there.
-TEST(BenchBaseline, OfTheTreeIsReadAndWrittenAsItStands) {
-    std::string const path = RLSLAB_SOURCE_DIR "/bench/baseline.json";
-    std::ifstream file(path);
-    std::string const text{std::istreambuf_iterator<char>(file), {}};
-    Baselines const all = read_baselines(text);
-    ASSERT_FALSE(all.empty());
-    for (Baseline const& b : all) EXPECT_EQ(b.rows.count(unit_row), 1u) << b.machine;
-    EXPECT_EQ(written(all), text);
+/// The file of the tree: what was recorded is still there, as it stands.
+TEST(BenchRecord, OfTheTreeIsReadAndWrittenAsItStands) {
+    std::ifstream tree(RLSLAB_SOURCE_DIR "/bench/baseline.json");
+    std::string const text{std::istreambuf_iterator<char>(tree), {}};
+    EXPECT_EQ(recorded(text, run(quiet), false),
+              text.substr(0, text.rfind("\n }\n}\n")) + ",\n" + machine("avx2", ud) + "\n }\n}\n");
 }
-TEST(BenchBaseline, RefusesWhatCannotBeCompared) {
-    EXPECT_THROW(baseline_of(run({100, 100, 100, 100})), std::runtime_error) << "four repetitions";
-    EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no unit row";
-    EXPECT_THROW(baseline_of("not JSON"), std::exception);
-    EXPECT_THROW(read_baselines("{}"), std::exception);
+TEST(BenchRecord, RefusesWhatCannotBeCompared) {
+    EXPECT_THROW(recorded("", run({100, 100, 100, 100}), false), std::runtime_error) << "four repetitions";
+    EXPECT_THROW(recorded("", R"({"context": {}, "benchmarks": []})", false), std::runtime_error) << "no unit row";
+    for (std::string const before : {"not JSON", "{}", R"({"unit_row": "another", "machines": {}})"})
+        EXPECT_THROW(recorded(before, run(quiet), false), std::exception) << before;
 }
 
 TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {
@@ -125,7 +97,7 @@ TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {
     };
     add("peer/dlib/double/4", 140.4, 1), add("update/ud/double/4", 29.6, 1), add("update/ud/double/64", 1300, 1);
     add("update/conventional/double/16", 80, 1), add("update/qr/double/4", 35, 17.8), add("update/qr/float/16", 3, 3);
-    add("block/ud/double/4", 3, 3), add("update/ud/double/8", 3, 3), add("peer/liquid/double/4", 3, 3);
+    add("block/ud/double/4", 3, 3), add("update/ud/double/8", 3, 3), add("peer/gsl/double/4", 3, 3);
     auto const table = [](std::string const& of) {
         return table_of_times(run_of(
             R"({"context": {"cpu": "a processor", "instructions": "avx2", "compiler": "g++",
@@ -173,18 +145,10 @@ TEST(BenchChoice, IsOfRowsAtTheSizesAskedFor) {
     EXPECT_EQ(choice().csv, "x.csv");
 }
 TEST(BenchChoice, SaysWhatIsExpected) {
-    for (auto const& words : std::vector<std::vector<std::string>>{{"--sizes"},
-                                                                   {"--csv"},
-                                                                   {"--sizes="},
-                                                                   {"--sizes=5,"},
-                                                                   {"--sizes=0"},
-                                                                   {"--sizes=513"},
-                                                                   {"--sizes=4.5"},
-                                                                   {"--sizes= 4"},
-                                                                   {"--sizes=99999999999999999999"},
-                                                                   {"--fixed", "--sizes=5"},
-                                                                   {"--fixed", "--float"}})
-        EXPECT_THROW(chosen(words), std::runtime_error) << fmt::format("{}", fmt::join(words, " "));
+    for (std::string const wrong :
+         {"--sizes", "--csv", "--sizes=", "--sizes=5,", "--sizes=0", "--sizes=513", "--sizes=4.5", "--sizes= 4",
+          "--sizes=99999999999999999999", "--fixed;--sizes=5", "--fixed;--float"})
+        EXPECT_THROW(chosen(split(wrong, ';')), std::runtime_error) << wrong;
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
-// The digits that `compare` counts of a composition: against the right problem high, against any other low.
+// The digits that `compare` counts of a composition: against the right problem high, against any other low. Those of
+// fast forms.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
-#include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/composed_score.hpp"
+#include "src/lab/compare/score.hpp"
 #include "tests/common/composed.hpp"
 
 #include <rlslab/core/input_error.hpp>
@@ -59,10 +60,9 @@ TEST(ComposedDigits, AreThoseOfTheVariantWhereTheCompositionDoesNothing) {
     Records const records = rows_of(120, 1, 1000, Seed{21});
     for (double forgetting : {1.0, 0.96875}) {
         Comparison const plain = compared(records, {}, forgetting);
-        expect_same_paths(compared(records, {.control = "constant"}, forgetting), plain);
-        expect_same_paths(compared(records, {.guard = "report"}, forgetting), plain);
-        expect_same_paths(compared(records, {.window = 120}, forgetting), plain);
-        expect_same_paths(compared(records, {.window = 1000000}, forgetting), plain);
+        for (Composition const& nothing :
+             {Composition{.control = "constant"}, {.guard = "report"}, {.window = 120}, {.window = 1000000}})
+            expect_same_paths(compared(records, nothing, forgetting), plain);
     }
 }
 /// Rows of 1e4 leave the window: it factors anew, after which the prior's age is another.
@@ -177,17 +177,66 @@ TEST(ComposedDigits, TellWhyAVariantCannot) {
                  InputError);
     EXPECT_THROW(compared(records, {.control = "kulhavy", .parameters = {0.97, 0}, .window = 9}), InputError);
 }
-/// The printed code defines the composed type.
-TEST(ComposedCode, NamesTheTypes) {
-    Records const records = rows_of(120, 1, 1000, Seed{71});
-    std::string const window = code(compared(records, {.window = 50, .guard = "reset"}, 1, {"ud"}));
-    EXPECT_THAT(window,
-                testing::HasSubstr("rlslab::Windowed<rlslab::Ud<float, 4>> const unguarded(problem, {.rows = 50});\n"
-                                   "rlslab::Guarded<rlslab::Windowed<rlslab::Ud<float, 4>>, rlslab::resetting> "
-                                   "filter(unguarded, problem);"));
-    EXPECT_THAT(code(compared(records, {.control = "random_walk", .parameters = {0.25}}, 1, {"ud"})),
-                testing::HasSubstr("rlslab::Forgetting<rlslab::Ud<float, 4>, rlslab::RandomWalk<float>> "
-                                   "filter(problem, {.variance = 0.25});"));
+
+// --- the table of fast forms: where the regressors are a delay line, and only there ----------------------------------
+
+/// Samples of white noise, the newest first; the first line is full. y is their sum and noise.
+Records line_of(Index taps, Index rows, double scale = 1) {
+    Seed seed{3};
+    Records out{.psi = Matrix<double>(taps, rows), .y = Vector<double>(rows), .names = {}};
+    std::vector<double> u;
+    for (Index k = 0; k < rows + taps; ++k) u.push_back(scale * seed.bell());
+    for (Index i = 0; i < taps; ++i) out.names.push_back("b" + std::to_string(i));
+    for (Index k = 0; k < rows; ++k) {
+        for (Index i = 0; i < taps; ++i) out.psi(i, k) = u[size_t(k + taps - i)];
+        out.y[k] = out.psi.col(k).sum() + 0.1 * scale * seed.bell();
+    }
+    return out;
+}
+CompareOptions options(double forgetting = 0.96875) {
+    return {.forgetting = forgetting, .variants = {"ud"}, .arithmetics = {"float", "double"}, .timings = false};
+}
+
+TEST(FastTable, HasTheDigitsOfTheCertifiedPredictionErrors) {
+    for (double const lambda : {0.99, 1.0}) {
+        Comparison const c = compare::compare(line_of(5, 200), options(lambda));
+        ASSERT_EQ(c.fast.size(), 10u);
+        for (FastResult const& r : c.fast) {
+            bool const wide = r.arithmetic == "double", lattice = r.form.ends_with("lattice");
+            ASSERT_TRUE(r.digits) << r.form;
+            EXPECT_GT(*r.digits, lattice ? (wide ? 12 : 3.5) : 0) << r.form << ' ' << r.arithmetic;
+            EXPECT_LT(*r.digits, wide ? 16 : 7.3) << r.form;
+            if (lattice) {
+                EXPECT_FALSE(r.breakdown) << r.form;
+            }
+        }
+        EXPECT_EQ(c.fast.back().operations, 163);
+        EXPECT_THAT(as_table(c, false), testing::HasSubstr("fast forms in float"));
+        EXPECT_THAT(as_json(c), testing::HasSubstr("fast_forms"));
+    }
+}
+TEST(FastTable, IsAbsentWithoutADelayLine) {
+    Records gap = line_of(3, 60), constant = gap, other = gap;
+    gap.psi.col(30).swap(gap.psi.col(31));
+    constant.psi.row(2).setOnes();
+    other.psi(0, 3) += 1;
+    EXPECT_TRUE(is_delay_line(line_of(3, 60)));
+    for (Records const& records : {gap, constant, other, line_of(1, 60)}) {
+        Comparison const c = compare::compare(records, options());
+        EXPECT_THAT(c.fast, testing::IsEmpty());
+        EXPECT_THAT(as_table(c, false), testing::Not(testing::HasSubstr("fast forms")));
+        EXPECT_THAT(as_json(c), testing::Not(testing::HasSubstr("fast_forms")));
+    }
+}
+TEST(FastTable, WhatAnArithmeticCannotHoldIsNoError) {
+    for (double const scale : {0x1p-500, 0x1p-70, 0x1p70, 0x1p500}) {
+        Comparison const c = compare::compare(line_of(3, 60, scale), options());
+        EXPECT_THAT(c.fast, testing::Not(testing::IsEmpty()));
+        for (FastResult const& r : c.fast)
+            if (r.arithmetic == "double" && r.form == "error_feedback_lattice") {
+                EXPECT_GT(r.digits.value_or(0), 12) << scale;
+            }
+    }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <map>
 
 namespace {
 
@@ -87,34 +88,31 @@ TEST_F(CompareDoubts, ASpikeIsNamedAsIdentifyNamesItAndTheGuardStays) {
 /// Six regressors and a constant; one of them lies at 100 +- 5. A form that stores P loses, at most what is said.
 TEST_F(CompareDoubts, AnOffsetIsSaidToCostWhatItCosts) {
     constexpr int n = 500;
-    std::vector<Signal> x;
-    for (std::uint64_t i = 0; i < 6; ++i) x.push_back(rlslab::white_noise(n, Seed{20 + i}));
+    std::vector<Signal> columns;
+    for (std::uint64_t i = 0; i < 6; ++i) columns.push_back(rlslab::white_noise(n, Seed{20 + i}));
+    for (double& v : columns[5]) v *= 5;
     Signal y(n);
-    for (size_t k = 0; k < n; ++k) {
-        x[5][k] = 100 + 5 * x[5][k];
-        y[k] = 1 + x[0][k] - x[1][k] + 0.5 * x[2][k] + 0.1 * x[5][k] + 0.1 * Seed{k}.bell();
-    }
-    std::vector<Signal> columns = x;
+    for (size_t k = 0; k < n; ++k)
+        y[k] = 11 + columns[0][k] - columns[1][k] + 0.5 * columns[2][k] + 0.1 * columns[5][k] + 0.1 * Seed{k}.bell();
     columns.push_back(y);
-    write("offset.csv", csv("x1,x2,x3,x4,x5,x6,y", columns));
-    std::string const model =
-        "compare offset.csv --regressors x1,x2,x3,x4,x5,x6 --intercept --output y --variants symmetric "
-        "--arithmetic float";
-    auto const worst = [](json const& a) { return a["results"][0]["spread"]["worst"]["median"].get<double>(); };
-    json const as_it_is = answer(model);
-    Signal centred = columns[5];
-    for (double& v : centred) v -= 100;
-    columns[5] = centred;
-    write("offset.csv", csv("x1,x2,x3,x4,x5,x6,y", columns));
-    json const without = answer(model);
-    std::vector<std::string> const said = as_it_is["warnings"];
-    ASSERT_THAT(said, Contains(Names("x6 --detrend")));
-    EXPECT_THAT(without["warnings"].get<std::vector<std::string>>(), testing::IsEmpty());
+    double worst[2];
+    std::vector<std::string> said[2];
+    for (int off : {0, 1}) {
+        for (double& v : columns[5]) v += 100 * off;
+        write("offset.csv", csv("x1,x2,x3,x4,x5,x6,y", columns));
+        json const a = answer(
+            "compare offset.csv --regressors x1,x2,x3,x4,x5,x6 --intercept --output y --variants "
+            "symmetric --arithmetic float");
+        worst[off] = a["results"][0]["spread"]["worst"]["median"], said[off] = a["warnings"];
+    }
+    EXPECT_THAT(said[0], testing::IsEmpty());
+    ASSERT_THAT(said[1], Contains(Names("x6 --detrend")));
     double told = 0;
-    std::string const& sentence = *std::ranges::find_if(said, [](std::string const& s) { return s.starts_with("x6"); });
+    std::string const& sentence =
+        *std::ranges::find_if(said[1], [](std::string const& s) { return s.starts_with("x6"); });
     ASSERT_EQ(std::sscanf(sentence.c_str() + sentence.find("about "), "about %lf", &told), 1) << sentence;
-    EXPECT_GT(worst(without) - worst(as_it_is), 0);
-    EXPECT_LT(worst(without) - worst(as_it_is), told + 0.5);
+    EXPECT_GT(worst[0] - worst[1], 0);
+    EXPECT_LT(worst[0] - worst[1], told + 0.5);
 }
 
 /// A column that is another plus 2, beside a constant; and shares that add to 1.
@@ -142,82 +140,59 @@ TEST_F(CompareDoubts, DependenceButForRoundingIsNamedAsIdentifyNamesIt) {
     EXPECT_THAT(warnings("compare" + model + "x1,x2,x3"), Contains(Names("x1[k], x2[k], x3[k] rounding")));
 }
 
-/// A record of a second-order system with its times, and what loggers make of it.
-class CompareTimes : public CompareDoubts {
-protected:
-    std::vector<std::string> lines;
-    void SetUp() override {
-        CompareDoubts::SetUp();
-        constexpr int n = 400;
-        Signal const u = rlslab::prbs(7, n, 3);
-        Signal xi = rlslab::white_noise(n, Seed{41});
-        for (double& v : xi) v *= 0.05;
-        Signal const y = rlslab::simulate({.a = {-1.5, 0.7}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, xi);
-        for (size_t k = 0; k < n; ++k) lines.push_back(fmt::format("{:.2f},{},{:.5f}\n", 0.01 * double(k), u[k], y[k]));
-    }
-    void file(std::string const& name, std::vector<std::string> const& rows) const {
-        std::string text = "t,u,y\n";
-        for (std::string const& row : rows) text += row;
-        write(name, text);
-    }
-    static constexpr char model[] = " --input u --output y --order 2 ";
-    json theta(std::string const& words) const {
-        return answer("compare " + words + model + "--variants ud")["reference"]["least_squares"];
-    }
-};
-
-TEST_F(CompareTimes, GapsAndDoublesAndOrderAreSeenAndMended) {
-    std::vector<std::string> dropped, emptied, doubled, backward(lines.rbegin(), lines.rend()), shuffled = lines;
-    Seed draw{42};
-    for (size_t k = 0; k < lines.size(); ++k) {
-        bool const gone = k > 5 && k % 37 < 2 && k + 1 < lines.size();
+/// A record of a second-order system with its times, and what loggers make of it. Their sentences: tests/input/times.cpp.
+TEST_F(CompareDoubts, GapsAndDoublesAndOrderAreSeenAndMendedByTime) {
+    constexpr int n = 400;
+    Signal const u = rlslab::prbs(7, n, 3);
+    Signal xi = rlslab::white_noise(n, Seed{41});
+    for (double& v : xi) v *= 0.05;
+    Signal const y = rlslab::simulate({.a = {-1.5, 0.7}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, xi);
+    std::vector<std::string> lines, dropped, emptied, doubled, dates, swapped;
+    for (size_t k = 0; k < n; ++k) {
+        std::string const rest = fmt::format(",{},{:.5f}\n", u[k], y[k]);
+        bool const gone = k > 5 && k % 37 < 2 && k + 1 < n;
+        size_t const minute = 20 * 60 + k;  // over midnight
+        lines.push_back(fmt::format("{:.2f}{}", 0.01 * double(k), rest));
         if (!gone) dropped.push_back(lines[k]);
         emptied.push_back(gone ? fmt::format("{:.2f},,\n", 0.01 * double(k)) : lines[k]);
-        doubled.push_back(lines[k]);
-        if (k % 40 == 3) doubled.push_back(lines[k]);
-        std::swap(shuffled[k], shuffled[size_t(draw.uniform() * double(k + 1))]);
+        doubled.insert(doubled.end(), k % 40 == 3 ? 2 : 1, lines[k]);
+        dates.push_back(
+            fmt::format("2024-02-{} {:02}:{:02}:30{}", 28 + minute / 1440, minute % 1440 / 60, minute % 60, rest));
     }
-    file("all.csv", lines), file("dropped.csv", dropped), file("emptied.csv", emptied), file("doubled.csv", doubled),
-        file("backward.csv", backward), file("shuffled.csv", shuffled);
-    json const right = theta("all.csv");
-    EXPECT_NE(theta("dropped.csv"), theta("emptied.csv"));
-    EXPECT_EQ(theta("dropped.csv --time t"), theta("emptied.csv"));
-    EXPECT_EQ(theta("emptied.csv --time t"), theta("emptied.csv"));
-    auto const identified = [&](std::string const& file) {
-        json out = answer("identify " + file + model);
-        return json{out["parameters"], out["samples"], out["warnings"], out["fit"]};
+    std::vector<std::string> const backward(lines.rbegin(), lines.rend());
+    swapped = dates;
+    std::swap(swapped[7], swapped[300]);
+    std::string const model = " --input u --output y --order 2 ";
+    auto const theta = [&](std::string const& words) {
+        return answer("compare " + words + model + "--variants ud")["reference"]["least_squares"];
     };
-    EXPECT_EQ(identified("dropped.csv --time t"), identified("emptied.csv"));
-    EXPECT_THAT(shell("rlslab compare dropped.csv" + std::string(model) + "--time t --variants ud").out,
+    struct {
+        std::string name;
+        std::vector<std::string> rows;
+        char const *names, *is;  // what the warning names without --time; what the file is with it
+    } const files[] = {{"all", lines, "", "all"},
+                       {"emptied", emptied, "", "emptied"},
+                       {"dropped", dropped, "t: 10 0.01 --time t", "emptied"},
+                       {"doubled", doubled, "t: 10 --time t", "all"},
+                       {"backward", backward, "t: newest --time t", "all"},
+                       {"dates", dates, "", "dates"},
+                       {"swapped", swapped, "t: back --time t", "dates"}};
+    std::map<std::string, json> plain;
+    for (auto const& [name, rows, names, is] : files) {
+        write(name + ".csv", fmt::format("t,u,y\n{}", fmt::join(rows, "")));
+        plain[name] = theta(name + ".csv");
+        EXPECT_EQ(theta(name + ".csv --time t"), plain[is]) << name;
+        for (std::string const command : {"compare ", "identify "})
+            EXPECT_THAT(warnings(command + name + ".csv" + model),
+                        *names ? testing::Matcher<std::vector<std::string>>(Contains(Names(names)))
+                               : testing::Matcher<std::vector<std::string>>(Not(Contains(HasSubstr("--time")))))
+                << name;
+    }
+    EXPECT_NE(plain["dropped"], plain["emptied"]);
+    EXPECT_THAT(shell("rlslab compare dropped.csv" + model + "--time t --variants ud").out,
                 HasSubstr(fmt::format("between the {}", dropped.size())));
-    for (char const* const name : {"all.csv", "doubled.csv", "backward.csv", "shuffled.csv"}) {
-        EXPECT_EQ(theta(name + std::string(" --time t")), right) << name;
-        EXPECT_THAT(warnings("compare " + std::string(name) + model + "--time t --variants ud"), testing::IsEmpty())
-            << name;
-    }
-    for (std::string const command : {"compare ", "identify "}) {
-        EXPECT_THAT(warnings(command + "all.csv" + model), Not(Contains(HasSubstr("--time"))));
-        EXPECT_THAT(warnings(command + "emptied.csv" + model), Not(Contains(HasSubstr("--time"))));
-        EXPECT_THAT(warnings(command + "dropped.csv" + model), Contains(Names("t: 10 0.01 --time t")));
-        EXPECT_THAT(warnings(command + "doubled.csv" + model), Contains(Names("t: 10 --time t")));
-        EXPECT_THAT(warnings(command + "backward.csv" + model), Contains(Names("t: newest --time t")));
-        EXPECT_THAT(warnings(command + "shuffled.csv" + model), Contains(Names("t: back --time t")));
-    }
-    EXPECT_THAT(warnings("compare shuffled.csv --regressors u --output y"), Not(Contains(HasSubstr("--time"))))
+    EXPECT_THAT(warnings("compare swapped.csv --regressors u --output y"), Not(Contains(HasSubstr("--time"))))
         << "no row needs another";
-}
-TEST_F(CompareTimes, StampsAreReadAsPeopleWriteThem) {
-    auto dates = lines;
-    for (size_t k = 0; k < dates.size(); ++k) {
-        size_t const minute = 20 * 60 + k;  // over midnight
-        dates[k] = fmt::format("2024-02-{} {:02}:{:02}:30{}", 28 + minute / 1440, minute % 1440 / 60, minute % 60,
-                               lines[k].substr(lines[k].find(',')));
-    }
-    file("all.csv", dates);
-    std::swap(dates[7], dates[300]);
-    file("swapped.csv", dates);
-    EXPECT_EQ(theta("swapped.csv --time t"), theta("all.csv"));
-    EXPECT_THAT(warnings("compare swapped.csv" + std::string(model)), Contains(Names("t: back --time t")));
 }
 
 }  // namespace

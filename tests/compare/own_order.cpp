@@ -2,20 +2,23 @@
 // and rows whose sums are exact.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/score.hpp"
-#include "src/lab/compare/rounded_problem.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"
 #include "tests/common/message.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/input/csv.hpp>
+#include <rlslab/model/regression.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <set>
+#include <tuple>
 
 namespace rlslab {
 using namespace compare;
@@ -123,10 +126,8 @@ TEST(Draws, HaveTheSameThetaAndOtherRoundings) {
     EXPECT_EQ(first.size(), 16u);
 }
 TEST(Draws, AreFewerForLongRecords) {
-    EXPECT_EQ(most_draws(1), 16u);
-    EXPECT_EQ(most_draws(1 << 13), 16u);
-    EXPECT_EQ(most_draws(1 << 15), 4u);
-    EXPECT_EQ(most_draws((1 << 16) + 1), 1u);
+    for (auto const& [rows, most] : {std::pair<Index, size_t>{1, 16}, {1 << 13, 16}, {1 << 15, 4}, {(1 << 16) + 1, 1}})
+        EXPECT_EQ(most_draws(rows), most);
     EXPECT_EQ(most_draws(1, {.composition = {.window = 9}}), 1u);
 }
 TEST(Draws, AreTakenUntilWhatIsNamedIsClear) {
@@ -147,19 +148,13 @@ TEST(Draws, AreSettledWhereTheMeanLackAndTwoErrorsAreHalfADigit) {
     auto const runs_with = [](std::vector<double> const& digits) {
         Runs out;
         for (double const x : digits)
-            out.own.push_back({.digits = {{x, x, x}},
-                               .breakdown = {},
-                               .asymmetry = {},
-                               .factor = true,
-                               .theta = Vector<Reference>(1)});
+            out.own.push_back({.digits = {{x, x, x}}, .factor = true, .theta = Vector<Reference>(1)});
         return out;
     };
     CatalogueEntry const &ud = *find_entry("ud"), &qr = *find_entry("qr");
     auto const result = [](CatalogueEntry const& e, double median) {
-        Result r{.entry = &e};
-        r.spread = {{median, median, median}, {median, median, median}, {median, median, median}};
-        r.operations = 1;
-        return r;
+        Spread const one{median, median, median};
+        return Result{.entry = &e, .spread = PerMeasure<Spread>{one, one, one}, .operations = 1};
     };
     Result const a = result(ud, 10), b = result(qr, 10.3);
     Runs const one = runs_with({10, 10, 10, 10}), near = runs_with({10.3, 10.4, 10.2, 10.3}),
@@ -229,6 +224,84 @@ TEST(ExactSums, LeaveInformationWithoutAnError) {
         }
     }
 }
+
+// --- steadiness: the recommendation on real records hardly depends on the last row. When lambda or the length of the
+// record changes a little, the variant that was recommended before stays within a digit of the one that is now, or the
+// spread printed shows why. -------------------------------------------------------------------------------------------
+
+struct Source {
+    char const *file, *input, *output;
+    int order;
+};
+
+Comparison compared(Records const& all, Index rows, double lambda) {
+    Records const some{.psi = all.psi.leftCols(rows), .y = all.y.head(rows), .names = all.names};
+    return compare::compare(some, {.forgetting = lambda, .arithmetics = {"float", "double"}, .timings = false});
+}
+Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
+    return *std::ranges::find_if(c.results, [&](Result const& r) {
+        return r.entry->arithmetic->name == arithmetic && r.entry->variant == variant;
+    });
+}
+double loss(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
+    std::vector<Result const*> sound;
+    for (Result const& r : c.results)
+        if (r.entry->arithmetic->name == arithmetic && takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
+    return loss_of(result_of(c, arithmetic, variant), sound).digits;
+}
+/// Whether the printed spreads of the two variants lie apart in one of the three measures, or one of them broke down.
+bool told_apart(Comparison const& c, std::string const& arithmetic, std::string const& a, std::string const& b) {
+    Result const &x = result_of(c, arithmetic, a), &y = result_of(c, arithmetic, b);
+    if (x.broken > 0 || y.broken > 0 || !x.spread || !y.spread) return x.broken + y.broken > 0;
+    return std::ranges::any_of(PerMeasure<Spread>::all(), [&](auto const m) {
+        return ((*x.spread).*m).high < ((*y.spread).*m).low || ((*y.spread).*m).high < ((*x.spread).*m).low;
+    });
+}
+void expect_steady(Comparison const& one, Comparison const& other, std::string const& what) {
+    for (size_t i = 0; i < one.recommendations.size(); ++i) {
+        auto const& [arithmetic, before] = std::tie(one.recommendations[i].arithmetic, one.recommendations[i].variant);
+        std::string const& now = other.recommendations[i].variant;
+        EXPECT_TRUE(arithmetic != "double" || !before.empty()) << what;
+        if (before == now || before.empty() || now.empty() || told_apart(one, arithmetic, before, now) ||
+            told_apart(other, arithmetic, before, now))
+            continue;
+        // A digit: from low to high the spreads are about as wide, and such a part of it their medians move.
+        EXPECT_LT(loss(other, arithmetic, before) - loss(other, arithmetic, now), 0.95)
+            << what << ": in " << arithmetic << " " << before << ", then " << now
+            << ", and the spread does not show why";
+    }
+}
+
+class Steadiness : public testing::TestWithParam<Source> {
+protected:
+    Records record;
+    void SetUp() override {
+        auto const& [file, input, output, order] = GetParam();
+        std::string const path = std::string(RLSLAB_SOURCE_DIR "/") + file;
+        if (!std::filesystem::exists(path)) GTEST_SKIP() << "left out: " << file << " is not here";
+        record = arx_records(read_columns(path, {input, output}), input, output, arx_of_order(order));
+    }
+};
+TEST_P(Steadiness, InStepsOfFiveThousandthsInLambdaAndOverOnePercentOfTheRecord) {
+    Index const rows = record.rows();
+    std::optional<Comparison> before;
+    for (double const lambda : {0.97, 0.975, 0.98, 0.985, 0.99, 0.995, 1.0}) {
+        Comparison now = compared(record, rows, lambda);
+        std::string const what = fmt::format("lambda = {}", lambda);
+        if (before) expect_steady(*before, now, what);
+        for (double const part : {0.99, 0.998})
+            if (lambda == 0.98 || lambda == 1)
+                expect_steady(now, compared(record, Index(part * double(rows)), lambda),
+                              fmt::format("{}, {} of {} rows", what, part, rows));
+        before = std::move(now);
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Records, Steadiness,
+                         testing::Values(Source{"studies/data/sales.csv", "lead", "sales", 2},
+                                         Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
+                                         Source{"../shared/data/hair_dryer.csv", "u", "y", 4},
+                                         Source{"../shared/data/heat_exchanger.csv", "u", "y", 2}),
+                         [](auto const& source) { return std::filesystem::path(source.param.file).stem().string(); });
 
 }  // namespace
 }  // namespace rlslab

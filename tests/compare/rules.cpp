@@ -16,194 +16,228 @@ using namespace compare;
 using namespace report;
 namespace {
 
-using testing::HasSubstr;
+PerMeasure<Spread> all(Spread const& one) { return {one, one, one}; }
 
-/// Results of variants that do not exist.
-struct Made {
-    Arithmetic arithmetic{"double", 53, -1022, 1023, false, nullptr};
-    std::deque<CatalogueEntry> entries{};
-    std::deque<Result> results{};
-
-    Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true,
-                char const* propagates = "covariance", long operations = 100) {
-        entries.push_back({name, &arithmetic, false, 1, propagates, false, Family{}, nullptr, nullptr});
-        Result r{.entry = &entries.back()};
-        r.spread = {theta, worst, P};
-        r.runs = 4;
-        r.factor = factor;
-        r.operations = operations;
-        results.push_back(r);
-        return results.back();
-    }
-    Result& add(char const* name, Spread all, bool factor = true, char const* propagates = "covariance",
-                long operations = 100) {
-        return add(name, all, all, all, factor, propagates, operations);
-    }
-    std::vector<Result const*> all() const {
-        std::vector<Result const*> out;
-        for (Result const& r : results) out.push_back(&r);
-        return out;
-    }
-    Comparison comparison() const {
-        Comparison c{};
-        c.rows = 100, c.size = 3, c.names = {"a", "b", "c"}, c.model.regressors = c.names;
-        c.prior_bias = 1e-3;
-        c.results.assign(results.begin(), results.end());
-        return c;
-    }
-    Recommendation recommended() const { return recommend(arithmetic, comparison()); }
+/// What a variant that does not exist has kept.
+struct Form {
+    std::string name;
+    PerMeasure<Spread> spread;
+    bool factor = true;
+    char const* propagates = "covariance";
+    std::optional<long> operations = 100;
+    int broken = 0, broken_in_another_order = 0;
+    Index block = 1;
 };
+using Change = std::function<void(Comparison&)>;
 
-/// Four white columns, 60 000 rows, float, lambda 1: ud keeps a digit of P less.
-TEST(Recommendation, TakesTheLeastOfTheLargestLosses) {
-    Made m;
-    m.add("ud", {5.3, 5.7, 6.1}, {5.1, 5.5, 5.9}, {3.9, 4.4, 5.2});
-    m.add("carlson", {5.3, 5.7, 6.1}, {5.1, 5.5, 5.9}, {3.4, 3.9, 4.9});
-    m.add("symmetric", {5.3, 5.8, 6.2}, {5.1, 5.6, 6.0}, {5.1, 5.4, 5.7}, false);
-    EXPECT_EQ(m.recommended().variant, "symmetric");
+Arithmetic const* arithmetic_of(int digits) {
+    static Arithmetic const wide{"double", 53, -1022, 1023, false, nullptr},
+        narrow{"double", 8, -126, 127, false, nullptr};
+    return digits == 53 ? &wide : &narrow;
+}
+/// A comparison of them in one arithmetic, with its recommendation.
+Comparison compared(std::vector<Form> const& forms, Change const& change = {}, int digits = 53) {
+    static std::deque<CatalogueEntry> entries;
+    static std::deque<std::string> names;
+    Comparison c{};
+    c.rows = 100, c.size = 3, c.names = {"a", "b", "c"}, c.model.regressors = c.names;
+    c.prior_bias = 1e-3;
+    for (Form const& f : forms) {
+        names.push_back(f.name);
+        entries.push_back(
+            {names.back(), arithmetic_of(digits), false, f.block, f.propagates, false, Family{}, nullptr, nullptr});
+        Result& r = c.results.emplace_back(Result{.entry = &entries.back()});
+        r.spread = f.spread, r.runs = 4, r.factor = f.factor, r.operations = f.operations;
+        r.broken = f.broken, r.others.broken = f.broken_in_another_order;
+    }
+    if (change) change(c);
+    c.recommendations = {recommend(*arithmetic_of(digits), c)};
+    return c;
+}
+Recommendation named(std::vector<Form> const& forms, Change const& change = {}, int digits = 53) {
+    return compared(forms, change, digits).recommendations.front();
+}
+
+struct Case {
+    char const* what;
+    std::vector<Form> forms;
+    std::string named;
+    char const* why = "";    // that is in the reason, where none is named
+    bool too_short = false;  // where none is
+    Change change = {};
+    int digits = 53;
+};
+Spread const good{13, 14, 15}, fair{4, 5, 6};
+
+TEST(Recommendation, IsOf) {
+    auto const bias = [](double prior, double component, std::optional<double> p0 = {}) {
+        return [=](Comparison& c) { c.prior_bias = prior, c.component_bias = component, c.options.p0 = p0; };
+    };
+    auto const window = [](Index rows) { return [=](Comparison& c) { c.options.composition.window = rows; }; };
+    auto const stored = [](auto change) {  // in double; what another arithmetic stores does not count
+        return [=](Comparison& c) {
+            c.rounding = {{"other", 0, 1, false, {}, 1, 1}, {"double", 1, 3, true, 5.0, 0.01, 0}};
+            change(c.rounding.back());
+        };
+    };
+    Form const it{"it", all(good)}, ud_of_a_rig{"ud", all({-1.5, 0.8, 2.0})},
+        carlson_of_it{"carlson", all({-1, 1.0, 2.6})};
+    double const none = -std::numeric_limits<double>::infinity(), nan = std::nan("");
+    using Effect = RoundingEffect;
+    std::vector<Case> const cases{
+        {"the least of the largest losses: four white columns, 60 000 rows, float, where ud keeps a digit of P less",
+         {{"ud", {{5.3, 5.7, 6.1}, {5.1, 5.5, 5.9}, {3.9, 4.4, 5.2}}},
+          {"carlson", {{5.3, 5.7, 6.1}, {5.1, 5.5, 5.9}, {3.4, 3.9, 4.9}}},
+          {"symmetric", {{5.3, 5.8, 6.2}, {5.1, 5.6, 6.0}, {5.1, 5.4, 5.7}}, false}},
+         "symmetric"},
+        {"two that are alike: the first in the list", {{"one", all(good)}, {"two", all(good)}}, "one"},
+        {"a tenth of a digit is none", {{"one", all(good)}, {"two", {{13, 14.1, 15}, good, good}}}, "two"},
+        {"three digits of the worst component", {{"it", {{5, 6, 7}, {3.0, 6, 7}, {5, 6, 7}}}}, "it"},
+        {"less than three",
+         {{"it", {{5, 6, 7}, {2.9, 6, 7}, {5, 6, 7}}}, {"less", {fair, {2.5, 5, 6}, fair}}},
+         "",
+         "",
+         true},
+        {"a usable one before the more accurate one",
+         {{"it", {{5, 6, 7}, {2.9, 6, 7}, {5, 6, 7}}}, {"usable", all({4, 4, 4}), false}},
+         "usable"},
+        {"the more accurate one of two usable ones",
+         {{"it", {{5, 6, 7}, {3.0, 6, 7}, {5, 6, 7}}}, {"usable", all({4, 4, 4}), false}},
+         "it"},
+        {"half a digit of P", {{"it", {{5, 6, 7}, {5, 6, 7}, {0, 0.5, 3}}}}, "it"},
+        {"less than half a digit of P", {{"it", {{5, 6, 7}, {5, 6, 7}, {0, 0.4, 3}}}}, "", "1 half digit P", true},
+        {"nothing was tried", {}, ""},
+        {"an error of ten times the answer at a tenth of the checkpoints: a two-motor rig in float",
+         {ud_of_a_rig, carlson_of_it},
+         "",
+         "carlson -1.0 3 2.1e+05",
+         true,
+         [](Comparison& c) { c.condition = 2.1e5; }},
+        {"no answer at a tenth", {{"carlson", {{-1, 1, 2}, {none, 1, 2}, {-1, 1, 2}}}}, "", "carlson no digits", true},
+        {"a short arithmetic", {ud_of_a_rig}, "", "2.4 3", true, {}, 8},
+        {"never one that broke down",
+         {{"broken", all(good), true, "covariance", 1, 1}, {"sound", all(fair), false}},
+         "sound"},
+        {"nor in another order",
+         {{"broken", all(good), true, "covariance", 1, 0, 1}, {"sound", all(fair), false}},
+         "sound"},
+        {"all broke down",
+         {{"one", all(good), true, "covariance", 1, 0, 1}, {"other", all(fair), true, "covariance", 1, 4}},
+         "",
+         "2 variants",
+         true},
+        {"not one without an answer at a tenth, whatever its medians are",
+         {{"none", {{none, 15, 16}, {4, 15, 16}, {14, 15, 16}}},
+          {"steady", {{13.9, 14.6, 15}, {4, 14.6, 15}, {14, 14.6, 15}}}},
+         "steady"},
+        {"neither blocks nor a library",
+         {{"block", all(good), true, "covariance", 100, 0, 0, 32}, {"library", all(good), true, "covariance", {}}},
+         ""},
+        {"a row before both",
+         {{"block", all(good), true, "covariance", 100, 0, 0, 32},
+          {"library", all(good), true, "covariance", {}},
+          {"row", all(fair)}},
+         "row"},
+        {"a prior that moves theta by its hundredth", {it}, "it", "", false, bias(0.01, 0)},
+        {"a prior that decides theta", {it}, "", "prior theta 0.01", false, bias(0.0101, 0)},
+        {"a given prior that does", {it}, "", "prior --p0", false, bias(0.0101, 0, 1)},
+        {"one of which nothing is known", {it}, "", "prior", false, bias(nan, 0)},
+        {"a prior that moves a component by its tenth", {it}, "it", "", false, bias(0, 0.1)},
+        {"a prior that decides a component", {it}, "", "prior component theta 0.1", false, bias(0, 0.101)},
+        {"a window of three rows", {it}, "it", "", false, window(3)},
+        {"one that does not determine theta", {it}, "", "prior 2 rows 3 parameters --window", false, window(2)},
+        {"stored well", {it}, "it", "", false, stored([](Effect&) {})},
+        {"rank 2 as stored", {it}, "", "rank 2 3", true, stored([](Effect& s) { s.rank = 2; })},
+        {"P0 that is not in range", {it}, "", "P0 range --p0", true, stored([](Effect& s) { s.in_range = false; })},
+        {"lambda that is zero", {it}, "", "lambda zero", true, stored([](Effect& s) {
+             s.in_range = false, s.forgetting = 0;
+         })},
+        {"P0 among subnormal numbers", {it}, "", "P0 range --p0", true, stored([](Effect& s) {
+             s.prior_subnormal = true;
+         })},
+        {"data beyond the range", {it}, "", "data range", true, stored([](Effect& s) {
+             s.data_in_range = false, s.rank = 0;
+         })},
+        {"data that rounding spoils", {it}, "", "rounding data theta", true, stored([](Effect& s) {
+             s.theta_digits = 0.4;
+         })},
+        {"a prior that decides theta as stored", {it}, "", "prior theta", true, stored([](Effect& s) {
+             s.prior_bias = 0.0101;
+         })},
+        {"or may", {it}, "", "prior theta", true, stored([=](Effect& s) { s.prior_bias = nan; })},
+    };
+    for (Case const& one : cases) {
+        Recommendation const r = named(one.forms, one.change, one.digits);
+        EXPECT_EQ(r.variant, one.named) << one.what;
+        EXPECT_EQ(r.too_short, one.too_short) << one.what;
+        EXPECT_THAT(r.why, Names(one.why)) << one.what;
+    }
 }
 TEST(Recommendation, CountsALossInEachMeasureAgainstTheBestOfIt) {
     for (auto const measure : PerMeasure<Spread>::all())
         for (double const lost : {0.1, 0.2, 0.3}) {
-            Made m;
-            Spread const full{13, 14, 15};
-            PerMeasure<Spread> s{full, full, full};
+            PerMeasure<Spread> s = all(good);
             s.*measure = {13, 14 - lost, 15};
-            m.add("cheap", s.theta, s.worst, s.covariance, true, "covariance", 10);
-            m.add("even", {13, 13.8, 15});
-            m.add("not to be used", full, {2.9, 14, 15}, full, true, "covariance", 1);  // the others are measured by it
-            EXPECT_EQ(m.recommended().variant, lost <= 0.2 ? "cheap" : "even") << lost;
-            m.add("broken", {16, 16, 16}).broken = 1;  // not by it
-            EXPECT_EQ(m.recommended().variant, lost <= 0.2 ? "cheap" : "even") << lost;
-            EXPECT_NEAR(m.recommended().losses.front().digits, std::min(lost, 0.2), 1e-9);
+            std::vector<Form> forms{{"cheap", s, true, "covariance", 10},
+                                    {"even", all({13, 13.8, 15})},  // the others are measured by the next
+                                    {"not to be used", {good, {2.9, 14, 15}, good}, true, "covariance", 1}};
+            EXPECT_EQ(named(forms).variant, lost <= 0.2 ? "cheap" : "even") << lost;
+            forms.push_back({"broken", all({16, 16, 16}), true, "covariance", 100, 1});  // not by it
+            EXPECT_EQ(named(forms).variant, lost <= 0.2 ? "cheap" : "even") << lost;
+            EXPECT_NEAR(named(forms).losses.front().digits, std::min(lost, 0.2), 1e-9);
         }
-}
-TEST(Recommendation, OfEqualLossesAFactorThenCovarianceThenFewerOperations) {
-    Spread const same{10, 11, 12};
-    struct {
-        bool factor;
-        char const* propagates;
-        long operations;
-    } const order[] = {{true, "covariance", 200},  {true, "covariance", 201}, {true, "information", 100},
-                       {true, "information", 101}, {false, "covariance", 50}, {false, "covariance", 51},
-                       {false, "information", 10}};
-    for (size_t first = 0; first < std::size(order); ++first) {
-        Made m;
-        for (size_t i = std::size(order); i-- > first;)
-            m.add(i == first ? "first" : "later", same, order[i].factor, order[i].propagates, order[i].operations);
-        EXPECT_EQ(m.recommended().variant, "first") << first;
-    }
-    Made m;  // of two that are alike the one that stands first in the list
-    m.add("one", same);
-    m.add("two", same);
-    EXPECT_EQ(m.recommended().variant, "one");
-    m.results.back().spread->theta.median += 0.1;
-    EXPECT_EQ(m.recommended().variant, "two") << "a tenth of a digit is none";
-}
-TEST(Recommendation, NeedsThreeDigitsOfTheWorstComponentAndHalfADigitOfP) {
-    for (double const low : {2.9, 3.0}) {
-        Made m;
-        m.add("it", {5, 6, 7}, {low, 6, 7}, {5, 6, 7});
-        m.add("less", {4, 5, 6}, {2.5, 5, 6}, {4, 5, 6});
-        Recommendation const r = m.recommended();
-        EXPECT_EQ(r.variant, low < 3 ? "" : "it");
-        EXPECT_EQ(r.too_short, low < 3);
-        m.add("usable", {4, 4, 4}, false);
-        EXPECT_EQ(m.recommended().variant, low < 3 ? "usable" : "it") << "before the more accurate one that is not";
-    }
-    for (double const median : {0.4, 0.5}) {
-        Made m;
-        m.add("it", {5, 6, 7}, {5, 6, 7}, {0, median, 3});
-        EXPECT_EQ(m.recommended().variant, median < 0.5 ? "" : "it");
-        if (median < 0.5) {
-            EXPECT_EQ(m.recommended().why, "none of 1 variants keeps half a digit of P");
-        }
-    }
-    EXPECT_EQ(Made{}.recommended().variant, "");
-    EXPECT_FALSE(Made{}.recommended().too_short);
-}
-/// A two-motor rig in float: an error of ten times the answer at a tenth of the checkpoints.
-TEST(Recommendation, SaysWhyAnArithmeticIsTooShort) {
-    Made m;
-    m.add("ud", {-1.5, 0.8, 2.0});
-    m.add("carlson", {-1, 1.0, 2.6});
-    Comparison c = m.comparison();
-    c.condition = 2.1e5;
-    Recommendation r = recommend(m.arithmetic, c);
-    EXPECT_EQ(r.variant, "");
-    EXPECT_THAT(r.why, Names("carlson -1.0 3 2.1e+05"));
-    c.recommendations = {r};
-    EXPECT_THAT(verdict(c), Names("double carlson -1.0"));
-    for (Result& result : c.results) result.spread->worst = {-INFINITY, 1, 2};
-    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("carlson no digits"));
-    m.arithmetic.digits = 8;
-    EXPECT_THAT(m.recommended().why, Names("2.4 3"));
-}
-TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
-    auto const said = [](Made const& m) {
-        Comparison c = m.comparison();
-        c.recommendations = {recommend(m.arithmetic, c)};
-        return verdict(c);
-    };
-    Made m;
-    m.add("conventional", {11, 11, 11}, {11, 11, 11}, {8, 8.2, 9}, false);
-    m.add("ud", {11, 11, 11});
-    EXPECT_THAT(said(m), Names("100 next conventional 2.8 P"));
-    m.add("qr", {10.6, 10.8, 11}, {11, 11, 11}, {10.5, 10.9, 11});
-    EXPECT_THAT(said(m), Names("next qr 0.2 theta conventional 2.8 P"));
-    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
-    EXPECT_THAT(said(m), Names("0.2 theta conventional indefinite 129"));
-    m.add("joseph", {11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}, false);
-    EXPECT_THAT(said(m), Names("ud 0.1 next qr 0.3 theta conventional"));
-    EXPECT_EQ(m.recommended().losses.size(), 3u);
-    Made equal;
-    equal.add("ud", {11, 11, 11});
-    equal.add("carlson", {11, 11, 11}, true, "covariance", 101);
-    EXPECT_THAT(said(equal), Names("next carlson good"));
-    Made alone;
-    alone.add("conventional", {11, 11, 11});
-    EXPECT_THAT(said(alone), testing::AllOf(Names("100"), testing::Not(Names("next"))));
-}
-TEST(Recommendation, NeverOneThatBrokeDownInAnyOrder) {
-    Made m;
-    m.add("broken", {13, 14, 15}, true, "covariance", 1).broken = 1;
-    m.add("sound", {4, 5, 6}, false);
-    EXPECT_EQ(m.recommended().variant, "sound");
-    m.results.front().broken = 0, m.results.front().others.broken = 1;
-    EXPECT_EQ(m.recommended().variant, "sound");
-    m.results.back().broken = 4;
-    EXPECT_EQ(m.recommended().variant, "");
-    EXPECT_THAT(m.recommended().why, Names("2 variants"));
-    EXPECT_TRUE(m.recommended().too_short);
 }
 /// 0.5 is not too far, 0.6 is: in any of the three measures, whatever its medians are.
 TEST(Recommendation, NotOneWhoseLowIsMoreThanHalfADigitBehind) {
     for (auto const measure : PerMeasure<Spread>::all())
         for (double const lost : {0.5, 0.6}) {
-            Made m;
-            PerMeasure<Spread> s{{14, 15.3, 16}, {14, 15.3, 16}, {14, 15.3, 16}};
-            (s.*measure).low -= lost;
-            m.add("high", s.theta, s.worst, s.covariance);
-            m.add("steady", {14, 15.0, 15.5});
-            EXPECT_EQ(m.recommended().variant, lost > 0.5 ? "steady" : "high") << lost;
-            (m.results.back().spread->theta).low = 12;  // each is behind the other: the lesser loss again
+            Form high{"high", all({14, 15.3, 16})}, steady{"steady", all({14, 15.0, 15.5})};
+            (high.spread.*measure).low -= lost;
+            EXPECT_EQ(named({high, steady}).variant, lost > 0.5 ? "steady" : "high") << lost;
+            steady.spread.theta.low = 12;  // each is behind the other: the lesser loss again
             if (lost > 0.5) {
-                EXPECT_EQ(m.recommended().variant, "high");
+                EXPECT_EQ(named({high, steady}).variant, "high");
             }
         }
-    Made m;  // no answer at a tenth of the checkpoints
-    m.add("none", {-INFINITY, 15, 16}, {4, 15, 16}, {14, 15, 16});
-    m.add("steady", {13.9, 14.6, 15}, {4, 14.6, 15}, {14, 14.6, 15});
-    EXPECT_EQ(m.recommended().variant, "steady");
+}
+TEST(Recommendation, OfEqualLossesAFactorThenCovarianceThenFewerOperations) {
+    std::vector<Form> order;
+    for (bool const factor : {true, false})
+        for (char const* const propagates : {"covariance", "information"})
+            for (long const operations : {0, 1})
+                order.push_back({std::to_string(order.size()), all(good), factor, propagates,
+                                 (factor ? 100 : 50) / (*propagates == 'i' ? 2 : 1) + operations});
+    while (!order.empty()) {
+        std::string const first = order.front().name;
+        EXPECT_EQ(named({order.rbegin(), order.rend()}).variant, first);
+        order.erase(order.begin());
+    }
+}
+TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
+    Form const equal{"ud", all({11, 11, 11})}, qr{"qr", {{10.6, 10.8, 11}, {11, 11, 11}, {10.5, 10.9, 11}}},
+        conventional{"conventional", {{11, 11, 11}, {11, 11, 11}, {8, 8.2, 9}}, false};
+    Form broken = conventional;
+    broken.broken = 4;
+    auto const said = [](std::vector<Form> const& forms) {
+        return verdict(compared(forms, [](Comparison& c) {
+            if (c.results.front().broken > 0) c.results.front().breakdown = Breakdown{129, Health::indefinite};
+        }));
+    };
+    EXPECT_THAT(said({conventional, equal}), Names("100 next conventional 2.8 P"));
+    EXPECT_THAT(said({conventional, equal, qr}), Names("next qr 0.2 theta conventional 2.8 P"));
+    EXPECT_THAT(said({broken, equal, qr}), Names("0.2 theta conventional indefinite 129"));
+    std::vector<Form> const four{
+        broken, equal, qr, {"joseph", {{11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}}, false}};
+    EXPECT_THAT(said(four), Names("ud 0.1 next qr 0.3 theta conventional"));
+    EXPECT_EQ(named(four).losses.size(), 3u);
+    EXPECT_THAT(said({equal, {"carlson", all({11, 11, 11}), true, "covariance", 101}}), Names("next carlson good"));
+    EXPECT_THAT(said({{"conventional", all({11, 11, 11})}}), testing::AllOf(Names("100"), testing::Not(Names("next"))));
 }
 TEST(Recommendation, TheCheapestFactorWithinHalfADigitStandsBeside) {
     auto const beside = [](double loss, long operations, bool factor, double low) {
-        Made m;
-        m.add("best", {10, 11, 12});
-        m.add("other", {low, 11 - loss, 12}, factor, "covariance", operations);
-        m.add("far", {5, 6, 7}, true, "covariance", 1);
-        Comparison c = m.comparison();
-        c.recommendations = {recommend(m.arithmetic, c)};
+        Comparison const c = compared({{"best", all({10, 11, 12})},
+                                       {"other", all({low, 11 - loss, 12}), factor, "covariance", operations},
+                                       {"far", all({5, 6, 7}), true, "covariance", 1}});
         EXPECT_EQ(c.recommendations.front().variant, "best");
         std::string const out = c.recommendations.front().cheapest;
         EXPECT_EQ(verdict(c).find("within half a digit for less: other, ") != std::string::npos, !out.empty());
@@ -218,44 +252,14 @@ TEST(Recommendation, TheCheapestFactorWithinHalfADigitStandsBeside) {
 TEST(Recommendation, InformationWhereItsSumsAreExactAndItIsWithinHalfADigit) {
     for (double const loss : {0.5, 0.6})
         for (bool const exact : {true, false}) {
-            Made m;
-            m.add("ud", {10, 11, 12});
-            m.add("information", {10, 11 - loss, 12}, false, "information");
-            Comparison c = m.comparison();
-            if (exact) c.exact = {{"double", 4096}};
-            Recommendation const r = recommend(m.arithmetic, c);
+            Recommendation const r =
+                named({{"ud", all({10, 11, 12})}, {"information", all({10, 11 - loss, 12}), false, "information"}},
+                      [&](Comparison& c) {
+                          if (exact) c.exact = {{"double", 4096}};
+                      });
             EXPECT_EQ(r.variant, exact && loss < 0.55 ? "information" : "ud");
             EXPECT_EQ(r.exact_rows, r.variant == "information" ? 4096 : 0);
         }
-}
-TEST(Recommendation, NotThoseThatTakeBlocksNorThoseOfLibraries) {
-    Made m;
-    m.add("block", {13, 14, 15});
-    m.entries.back().block = 32;
-    m.add("library", {13, 14, 15}).operations = {};
-    EXPECT_EQ(m.recommended().variant, "");
-    m.add("row", {4, 5, 6});
-    EXPECT_EQ(m.recommended().variant, "row");
-}
-TEST(Recommendation, NoneWhereThePriorDecides) {
-    Made m;
-    m.add("it", {13, 14, 15});
-    Comparison c = m.comparison();
-    c.prior_bias = 0.01;
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
-    c.prior_bias = 0.0101;
-    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("prior theta 0.01"));
-    c.options.p0 = 1;
-    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("prior --p0"));
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
-    c.prior_bias = std::nan("");
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
-    c.prior_bias = 0, c.options.p0.reset();
-    c.component_bias = 0.1;
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
-    c.component_bias = 0.101;
-    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("prior component theta 0.1"));
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
 }
 TEST(Warnings, TellOfAPriorThatDecidesAndOfAnOffset) {
     Comparison c{};
@@ -279,65 +283,6 @@ TEST(Warnings, AnOffsetIsTheMeanOfYInItsStandardDeviationsWhereNoRegressorIsCons
     r.psi = Matrix<double>{{1, 2, 3, 5}, {4, 4, 4, 4}}, r.names = {"x", "1"};
     EXPECT_EQ(compare::compare(r, options).offset, 0);
 }
-/// Wampler's polynomial: a bound on theta alone leaves x1 with the wrong sign.
-TEST(Warnings, NoComponentIsThePriorsByDefault) {
-    Records r{.psi = Matrix<double>(6, 21), .y = Vector<double>(21), .names = std::vector<std::string>(6, "x")};
-    for (Index k = 0; k < 21; ++k) {
-        double power = 1, sum = 0;
-        for (Index i = 0; i < 6; ++i, power *= double(k)) r.psi(i, k) = power, sum += power;
-        r.y[k] = sum;
-    }
-    CompareOptions options;
-    options.variants = {"ud"}, options.arithmetics = {"double"}, options.timings = false;
-    Comparison const c = compare::compare(r, options);
-    for (std::string const& theta : c.theta) EXPECT_NEAR(std::stod(theta), 1, 1e-2);
-    EXPECT_LE(c.component_bias, 1e-2);
-    EXPECT_GT(c.component_bias, 1e-5) << "the least such c";
-}
-TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
-    Made m;
-    m.add("it", {13, 14, 15});
-    Comparison c = m.comparison();
-    RoundingEffect const good{"double", 1, 3, true, 5.0, 0.01, 0};
-    c.rounding = {{"other", 0, 1, false, {}, 1, 1}, good};
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
-    auto const why = [&](RoundingEffect const& s) {
-        c.rounding.back() = s;
-        EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
-        EXPECT_TRUE(recommend(m.arithmetic, c).too_short);
-        return recommend(m.arithmetic, c).why;
-    };
-    RoundingEffect s = good;
-    s.rank = 2;
-    EXPECT_THAT(why(s), Names("rank 2 3"));
-    s = good, s.in_range = false;
-    EXPECT_THAT(why(s), Names("P0 range --p0"));
-    s.forgetting = 0;
-    EXPECT_THAT(why(s), Names("lambda zero"));
-    s = good, s.prior_subnormal = true;
-    EXPECT_THAT(why(s), Names("P0 range --p0"));
-    s = good, s.data_in_range = false, s.rank = 0;
-    EXPECT_THAT(why(s), Names("data range"));
-    s = good, s.theta_digits = 0.4;
-    EXPECT_THAT(why(s), Names("rounding data theta"));
-    s = good, s.prior_bias = 0.0101;
-    EXPECT_THAT(why(s), Names("prior theta"));
-    s.prior_bias = std::nan("");
-    EXPECT_THAT(why(s), Names("prior theta"));
-}
-
-TEST(Recommendation, NoneInAWindowThatDoesNotDetermineTheParameters) {
-    Made m;
-    m.add("it", {13, 14, 15});
-    Comparison c = m.comparison();
-    c.options.composition.window = 3;
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
-    c.options.composition.window = 2;
-    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
-    EXPECT_EQ(recommend(m.arithmetic, c).why,
-              "the prior, not the data, decides theta: 2 rows do not determine 3 parameters: a longer --window");
-}
-
 TEST(Spread, IsTheTenthHalfAndNinetyPercentPoint) {
     std::vector<std::optional<double>> digits;
     for (int i = 20; i >= 0; --i) digits.push_back(i);  // 0 ... 20: ranks 2, 10, 18
@@ -407,8 +352,7 @@ TEST(RowOrders, AreTheRecordsAndThreePermutationsOrOneWithForgetting) {
 }
 
 TEST(Code, IsForTheShortestArithmeticOfTheHardwareThatHasARecommendation) {
-    Made m;
-    Comparison c = m.comparison();
+    Comparison c{};
     c.recommendations = {{"binary16", "a", ""}, {"float", "b", ""}, {"double", "c", ""}};
     ASSERT_NE(coded(c), nullptr);
     EXPECT_EQ(coded(c)->arithmetic, "float");
@@ -419,8 +363,7 @@ TEST(Code, IsForTheShortestArithmeticOfTheHardwareThatHasARecommendation) {
     EXPECT_EQ(code(c), "");
 }
 TEST(Verdict, ArithmeticsWithoutARecommendationShareALine) {
-    Made m;
-    Comparison c = m.comparison();
+    Comparison c{};
     c.recommendations = {
         {"bfloat16", "", "no"}, {"float", "", "no"}, {"double", "", "other"}, {"quad", "", "no", true}};
     EXPECT_EQ(verdict(c),

@@ -135,29 +135,34 @@ TEST(Drawing, ShowsAnyFiniteNumber) {
         lawful(figure);
     }
 }
-TEST(Drawing, CutsGuidesOffAtThePanel) {
-    Figure figure = one({1, 2, 3}, {1, 2, 3});
-    figure.panels[0].guides.push_back({.name = "far", .look = {"#555555", true}, .x = {1, 3}, .y = {-1e200, 1e200}});
-    EXPECT_GE(lawful(figure), 5u);
+/// A figure with these words wherever a figure has some.
+Figure full_of(std::string const& text) {
+    Figure out = one({1, 2, 3}, {1e-7, 2, 3e5}, false, true);
+    out.title = out.x = out.y = out.series = out.note = text;
+    Panel& panel = out.panels[0];
+    panel.name = panel.curves[0].name = text;
+    panel.curves[0].says = {text, text, text};
+    panel.curves.push_back({.name = text + "1", .look = look_of({}, 1), .x = {1, 3}, .y = {1, 2}});
+    panel.events = {{.x = 1.4, .text = text}, {.x = 2.9, .text = text}, {.x = 2, .y = 2, .text = text, .series = text}};
+    return out;
 }
-TEST(Drawing, EscapesEveryText) {
-    std::string const evil = "<script>alert(\"1\")</script> & 'x' \x01 \n";
-    Figure figure = one({1, 2}, {1, 2});
-    figure.title = figure.x = figure.y = figure.note = evil;
-    figure.names = true;
-    Panel& panel = figure.panels[0];
-    panel.name = panel.curves[0].name = evil;
-    panel.curves[0].says = {evil, evil};
-    panel.events = {{.x = 1, .text = evil}, {.x = 2, .y = 2, .text = evil, .series = evil}};
-    figure.panels.push_back(panel);
-    lawful(figure);
-    EXPECT_EQ(svg(figure).find("<script"), std::string::npos);
-    EXPECT_EQ(figure_html(figure).find("<script"), std::string::npos);
-    figure.x_names = {evil, evil, evil};
-    lawful(figure);
-    figure.cells = true, figure.x_names.clear();
-    for (Panel& p : figure.panels) p.curves[0].row = {evil, evil};
-    lawful(figure);
+TEST(Drawing, HoldsAndEscapesEveryTextHoweverLong) {
+    std::string const words = "a rather long sentence that has to be broken into lines, ", endless(300, 'm');
+    for (std::string const& text : {words + words + words + words + words + words, endless, words + endless,
+                                    std::string("short"), std::string("<script>alert(\"1\")</script> & 'x' \x01 \n")}) {
+        Figure figure = full_of(text);
+        for (bool const names : {false, true}) {
+            figure.names = names;
+            lawful(figure);
+            texts_fit(panel_svg(figure, 0, 400, 330), 400, 330);
+        }
+        EXPECT_EQ((svg(figure) + figure_html(figure)).find("<script"), std::string::npos);
+        figure.x_names = {text, text + "1", text + "2", text + "3"};
+        lawful(figure);
+        figure.x_names.clear(), figure.cells = true, figure.log_y = false;
+        figure.panels[0].curves[0].row = {text, text + "1", text};
+        lawful(figure);
+    }
 }
 TEST(Drawing, ALegendOfManyCurvesStandsBesideThePanelInTheOrderOfTheirEnds) {
     Figure figure = one({1, 2, 3}, {1, 2, 5});
@@ -177,28 +182,6 @@ TEST(Drawing, ALegendOfManyCurvesStandsBesideThePanelInTheOrderOfTheirEnds) {
     html = figure_html(figure);
     EXPECT_THAT(html, testing::Not(testing::HasSubstr("beside")));
     EXPECT_LT(html.find("<span data-s=\"0\""), html.find("<span data-s=\"1\""));
-}
-TEST(Drawing, HoldsEveryTextHoweverLong) {
-    std::string const words = "a rather long sentence that has to be broken into lines, ", endless(300, 'm');
-    for (std::string const& text :
-         {words + words + words + words + words + words, endless, words + endless, std::string("short")}) {
-        Figure figure = one({1, 2, 3}, {1e-7, 2, 3e5}, false, true);
-        figure.title = figure.x = figure.y = figure.series = text;
-        Panel& panel = figure.panels[0];
-        panel.name = panel.curves[0].name = text;
-        panel.curves.push_back({.name = text + "1", .look = look_of({}, 1), .x = {1, 3}, .y = {1, 2}});
-        panel.events = {{.x = 1.4, .text = text}, {.x = 2.9, .text = text}};
-        for (bool const names : {false, true}) {
-            figure.names = names;
-            lawful(figure);
-            texts_fit(panel_svg(figure, 0, 400, 330), 400, 330);
-        }
-        figure.x_names = {text, text + "1", text + "2", text + "3"};
-        lawful(figure);
-        figure.x_names.clear(), figure.cells = true, figure.log_y = false;
-        figure.panels[0].curves[0].row = {text, text + "1", text};
-        lawful(figure);
-    }
 }
 TEST(Drawing, OfAMillionPointsIsSmallAndKeepsItsExtremes) {
     std::vector<double> x, y;
@@ -245,25 +228,22 @@ TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
     figure.panels[0].curves.push_back({.name = "other", .look = look_of({}, 1), .x = {1}, .y = {2}});
     figure.panels[0].guides.push_back({.name = "guide", .look = {"#555555", true}, .x = {1, 2}, .y = {1, 1}});
     std::string const html = figure_html(figure);
-    for (char const* name : {"curve", "other", "guide"})
-        EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve")   ? 0
-                                                : name == std::string("other") ? 1
-                                                                               : 2]
-                                  ->name),
-                  name);
-    for (char const* number : {"0", "1", "2"}) {
-        EXPECT_THAT(html, testing::HasSubstr("<span data-s=\"" + std::string(number) + "\">"));
-        EXPECT_THAT(html, testing::HasSubstr("<g class=\"s\" data-s=\"" + std::string(number) + "\">"));
+    for (size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(legend_of(figure)[i]->name, std::vector<std::string>({"curve", "other", "guide"})[i]);
+        EXPECT_THAT(html, testing::HasSubstr("<span data-s=\"" + std::to_string(i) + "\">"));
+        EXPECT_THAT(html, testing::HasSubstr("<g class=\"s\" data-s=\"" + std::to_string(i) + "\">"));
     }
 }
 
 TEST(Pages, LoadNothing) {
-    std::string const text =
-        page("a < b", figure_html(one({1, 2}, {1, 2})) + formula_html("x") + table_html({"a", "<b>"}, {{"1", "&"}}));
+    std::string const text = page("a < b", figure_html(one({1, 2}, {1, 2})) + formula_html("x") +
+                                               table_html({"a", "<b>"}, {{"1", "&"}, {"★ 3", "4"}}, {1}));
     for (char const* address : {"src=", "@import", "url(", "<link", "fetch("})
         EXPECT_EQ(text.find(address), std::string::npos) << address;
     EXPECT_THAT(text, testing::HasSubstr("<title>a &lt; b</title>"));
     EXPECT_THAT(text, testing::HasSubstr("<th>&lt;b&gt;</th>"));
+    EXPECT_THAT(text, testing::HasSubstr("<tr><td>1</td>"));
+    EXPECT_THAT(text, testing::HasSubstr("<tr class=\"strong\"><td>★ 3</td>"));
 }
 
 // --- names, points below the axis, emphasised curves -----------------------------------------------------------------
@@ -437,10 +417,30 @@ TEST(Drawing, AStrongCategoryHasABandAndABoldName) {
     EXPECT_THAT(text, testing::HasSubstr(">conventional_two_sided</text>"));
     EXPECT_EQ(text.find("<rect"), text.rfind("<rect"));
 }
-TEST(Pages, AStrongRowOfATableStandsOut) {
-    std::string const text = table_html({"a", "b"}, {{"1", "2"}, {"★ 3", "4"}}, {1});
-    EXPECT_THAT(text, testing::HasSubstr("<tr><td>1</td>"));
-    EXPECT_THAT(text, testing::HasSubstr("<tr class=\"strong\"><td>★ 3</td>"));
+// --- a map of words: what stands in its cells, and the lines between those whose words in a guide differ -----------
+
+TEST(Drawing, AMapOfWordsHasThemInItsCellsAndLinesWhereAGuidesDiffer) {
+    Figure figure = one({1, 2, 1, 2}, {1, 0.5, 0.25, 0});
+    figure.cells = true;
+    Curve& cells = figure.panels[0].curves[0];
+    cells.row = {"low", "low", "high", "high"};
+    cells.says = {"S", "<", "F", "SF"};
+    figure.panels[0].guides.push_back(cells);
+    auto const borders = [&](std::vector<std::string> const& says) {
+        figure.panels[0].guides[0].says = says;
+        lawful(figure);
+        std::string const text = svg(figure);
+        EXPECT_THAT(text, testing::HasSubstr(">SF</text>"));
+        EXPECT_THAT(text, testing::HasSubstr(">&lt;</text>"));
+        size_t const at = text.find("#d55e00");
+        if (at == std::string::npos) return ptrdiff_t(0);
+        size_t const path = text.rfind("d=\"", at);
+        return std::count(text.begin() + ptrdiff_t(path), text.begin() + ptrdiff_t(at), 'M');
+    };
+    EXPECT_EQ(borders({"S", "S", "S", "S"}), 0);
+    EXPECT_EQ(borders({"S", "F", "S", "S"}), 2);
+    EXPECT_EQ(borders({"S", "F", "F", "S"}), 4);
+    EXPECT_EQ(borders({"S", "F"}), 1);
 }
 
 }  // namespace

@@ -31,45 +31,39 @@ inline Figure one(std::vector<double> x, std::vector<double> y, bool log_x = fal
     return out;
 }
 
-/// NAME="VALUE" after NAME="VALUE", each with a space before it, and nothing else. (std::regex overflows the stack
-/// here.)
-inline bool attributes(std::string_view text) {
-    while (!text.empty()) {
-        size_t const is = text.find("=\""), end = is == text.npos ? is : text.find('"', is + 2);
-        if (text[0] != ' ' || end == text.npos) return false;
-        for (char const c : text.substr(1, is - 1))
-            if (!std::isalpha(static_cast<unsigned char>(c)) && c != '-' && c != ':') return false;
-        if (text.substr(is + 2, end - is - 2).find('<') != text.npos) return false;
-        text.remove_prefix(end + 1);
-    }
-    return true;
-}
-
-/// Tags are closed in the order in which they were opened, attributes have quotes, no & stands alone.
+/// Tags are closed in the order in which they were opened, attributes have quotes, no & stands alone. (std::regex
+/// overflows the stack here.)
 inline testing::AssertionResult well_formed(std::string const& xml) {
+    auto const wrong = [](std::string_view tag) { return testing::AssertionFailure() << tag.substr(0, 200); };
     std::vector<std::string> open;
     for (size_t at = 0; (at = xml.find('<', at)) != std::string::npos;) {
         size_t const end = xml.find('>', at);
-        if (end == std::string::npos) return testing::AssertionFailure() << "an open tag at the end";
-        std::string tag = xml.substr(at + 1, end - at - 1);
+        if (end == std::string::npos) return wrong("an open tag at the end");
+        std::string_view tag(xml.data() + at + 1, end - at - 1);
         at = end;
         bool const closes = tag.starts_with('/'), alone = tag.ends_with('/');
-        if (alone) tag.pop_back();
-        std::string const name = tag.substr(closes, std::min(tag.find(' '), tag.size()) - closes);
-        if (name.empty() || !attributes(std::string_view(tag).substr(closes + name.size())))
-            return testing::AssertionFailure() << "a tag: " << tag.substr(0, 200);
-        if (closes) {
-            if (open.empty() || open.back() != name) return testing::AssertionFailure() << "closed: " << tag;
-            open.pop_back();
-        } else if (!alone) open.push_back(name);
+        if (alone) tag.remove_suffix(1);
+        std::string const name(tag.substr(closes, std::min(tag.find(' '), tag.size()) - closes));
+        std::string_view attributes = tag.substr(closes + name.size());
+        while (!attributes.empty()) {  // NAME="VALUE" after NAME="VALUE", each with a space before it
+            size_t const is = attributes.find("=\""), quote = is == tag.npos ? is : attributes.find('"', is + 2);
+            if (attributes[0] != ' ' || quote == tag.npos) return wrong(tag);
+            for (char const c : attributes.substr(1, is - 1))
+                if (!std::isalpha(static_cast<unsigned char>(c)) && c != '-' && c != ':') return wrong(tag);
+            if (attributes.substr(is + 2, quote - is - 2).find('<') != tag.npos) return wrong(tag);
+            attributes.remove_prefix(quote + 1);
+        }
+        if (name.empty() || (closes && (open.empty() || open.back() != name))) return wrong(tag);
+        if (closes) open.pop_back();
+        else if (!alone) open.push_back(name);
     }
     for (size_t at = 0; (at = xml.find('&', at)) != std::string::npos; ++at) {
         std::string_view const rest = std::string_view(xml).substr(at + 1, 6);
         if (std::ranges::none_of(std::array{"amp;", "lt;", "gt;", "quot;", "#39;", "ensp;"},
                                  [&](char const* known) { return rest.starts_with(known); }))
-            return testing::AssertionFailure() << "a bare &: " << rest;
+            return wrong(rest);
     }
-    return open.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << "not closed: " << open.back();
+    return open.empty() ? testing::AssertionSuccess() : wrong("not closed: " + open.back());
 }
 
 struct Place {

@@ -5,10 +5,7 @@
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/composed_score.hpp"
 #include "src/lab/compare/score.hpp"
-#include "src/lab/compare/rounded_problem.hpp"
-#include "src/lab/compare/fast_score.hpp"
-#include "src/lab/compare/predicted.hpp"
-#include "src/lab/compare/probed.hpp"
+#include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/recommend.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -27,87 +24,7 @@
 
 namespace rlslab::compare {
 using namespace report;
-namespace {
 
-double as_is(double x) { return x; }
-
-std::vector<std::string> printable_names(Records const& records) {
-    std::vector<std::string> names;
-    for (std::string const& name : records.names) names.push_back(printable(name));
-    return names;
-}
-
-/// The effect on the exact solution of rounding the data to this arithmetic.
-RoundingEffect effect_of(Arithmetic const& arithmetic, RoundedProblem const& rounded, CertifiedSolution const& given,
-                         Vector<double> const& scales) {
-    Problem<double> problem = rounded.problem;
-    problem.prior.reset();
-    RoundingEffect out{arithmetic.name,
-                       problem.forgetting,
-                       0,
-                       rounded.in_range,
-                       {},
-                       std::numeric_limits<double>::quiet_NaN(),
-                       std::numeric_limits<double>::quiet_NaN()};
-    CertifiedSolution const* const exact =
-        rounded.orders.front().exact.empty() ? nullptr : &rounded.orders.front().exact.back();
-    out.data_in_range = rounded.records.psi.allFinite() && rounded.records.y.allFinite();
-    Prior<double> const& prior = *rounded.problem.prior;
-    double const least = std::ldexp(1.0, arithmetic.min_exp),
-                 P0 = prior.covariance ? prior.covariance->diagonal().minCoeff() : prior.variance;
-    out.prior_subnormal = rounded.in_range && P0 < least;
-    if (is_forgetting_factor(problem.forgetting) && out.data_in_range) {
-        CertifiedSolution const without = certified(problem, rounded.records, {rounded.records.rows()}).front();
-        out.rank = without.rank();
-        if (exact)
-            out.prior_bias = relative_change(*exact, without, scales),
-            out.component_bias = largest_relative_change(*exact, without, scales);
-    }
-    if (exact) {
-        double const digits = -correctly::log10(relative_change(*exact, given));
-        if (!std::isnan(digits)) out.theta_digits = std::min(digits, 15.9);
-    }
-    return out;
-}
-
-std::vector<Index> constant_regressors(Records const& records) {
-    std::vector<Index> out;
-    for (Index i = 0; i < records.parameters(); ++i)
-        if (constant_value(records.psi.row(i))) out.push_back(i);
-    return out;
-}
-
-/// |mean of y| in standard deviations of y: 0 if a regressor is constant, infinite if y is.
-double offset(Records const& records) {
-    if (!constant_regressors(records).empty()) return 0;
-    if (auto const y = constant_value(records.y)) return *y == 0 ? 0 : std::numeric_limits<double>::infinity();
-    Index const N = records.rows();
-    int unit = 0;  // in units of a power of two, whose squares double can hold
-    std::frexp(records.y.cwiseAbs().maxCoeff(), &unit);
-    auto const y = [&](Index k) { return std::ldexp(records.y[k], -unit); };
-    double mean = 0, squares = 0;
-    for (Index k = 0; k < N; ++k) mean += y(k) / double(N);
-    for (Index k = 0; k < N; ++k) squares += (y(k) - mean) * (y(k) - mean) / double(N);
-    return mean == 0 ? 0 : std::abs(mean) / std::sqrt(squares);
-}
-
-/// Digits in which two exact solutions agree, component by component.
-std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution const& b) {
-    constexpr double most = 30;  // to which they are certified
-    std::vector<double> out;
-    Vector<Reference> const x = a.theta(), y = b.theta();
-    for (Index i = 0; i < x.size(); ++i) out.push_back(std::min(most, digits_of(Reference(x[i] - y[i]), y[i])));
-    return out;
-}
-
-/// " (constant: b0, b1)", the names of constant regressors, which are the most common reason for dependence; or "".
-std::string constants_text(Records const& records) {
-    std::vector<std::string> names;
-    for (Index const i : constant_regressors(records)) names.push_back(records.names[size_t(i)]);
-    return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
-}
-
-/// The entries that the options select, each arithmetic's in the catalogue's order.
 std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     std::vector<std::string_view> variants;
     std::vector<Arithmetic const*> used;
@@ -137,6 +54,61 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     if (out.empty())
         throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
+}
+
+std::vector<Arithmetic const*> arithmetics_of(std::vector<CatalogueEntry const*> const& entries) {
+    std::vector<Arithmetic const*> out;
+    for (CatalogueEntry const* const entry : entries)
+        if (out.empty() || out.back() != entry->arithmetic) out.push_back(entry->arithmetic);
+    return out;
+}
+
+namespace {
+
+double as_is(double x) { return x; }
+
+/// The effect on the exact solution of rounding the data to this arithmetic.
+RoundingEffect effect_of(Arithmetic const& arithmetic, RoundedProblem const& rounded, CertifiedSolution const& given,
+                         Vector<double> const& scales) {
+    Problem<double> problem = rounded.problem;
+    problem.prior.reset();
+    RoundingEffect out{arithmetic.name, problem.forgetting, 0, rounded.in_range};
+    CertifiedSolution const* const exact =
+        rounded.orders.front().exact.empty() ? nullptr : &rounded.orders.front().exact.back();
+    out.data_in_range = rounded.records.psi.allFinite() && rounded.records.y.allFinite();
+    Prior<double> const& prior = *rounded.problem.prior;
+    double const least = std::ldexp(1.0, arithmetic.min_exp),
+                 P0 = prior.covariance ? prior.covariance->diagonal().minCoeff() : prior.variance;
+    out.prior_subnormal = rounded.in_range && P0 < least;
+    if (is_forgetting_factor(problem.forgetting) && out.data_in_range) {
+        CertifiedSolution const without = certified(problem, rounded.records, {rounded.records.rows()}).front();
+        out.rank = without.rank();
+        if (exact)
+            out.prior_bias = relative_change(*exact, without, scales),
+            out.component_bias = largest_relative_change(*exact, without, scales);
+    }
+    if (exact) {
+        double const digits = -correctly::log10(relative_change(*exact, given));
+        if (!std::isnan(digits)) out.theta_digits = std::min(digits, 15.9);
+    }
+    return out;
+}
+
+/// Digits in which two exact solutions agree, component by component.
+std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution const& b) {
+    constexpr double most = 30;  // to which they are certified
+    std::vector<double> out;
+    Vector<Reference> const x = a.theta(), y = b.theta();
+    for (Index i = 0; i < x.size(); ++i) out.push_back(std::min(most, digits_of(Reference(x[i] - y[i]), y[i])));
+    return out;
+}
+
+/// " (constant: b0, b1)", the names of constant regressors, which are the most common reason for dependence; or "".
+std::string constants_text(Records const& records) {
+    std::vector<std::string> names;
+    for (Index i = 0; i < records.parameters(); ++i)
+        if (constant_value(records.psi.row(i))) names.push_back(records.names[size_t(i)]);
+    return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
 
 /// The entries, unless none of them can be composed so.
@@ -177,13 +149,6 @@ Composition as_stored(Composition composition, std::function<double(double)> con
 /// The ways in which the chosen arithmetics round the data: those that hold binary64 share one.
 std::string_view rounding_of(Arithmetic const& a) { return a.digits >= 53 ? std::string_view("double") : a.name; }
 
-std::vector<Arithmetic const*> arithmetics_of(std::vector<CatalogueEntry const*> const& entries) {
-    std::vector<Arithmetic const*> out;
-    for (CatalogueEntry const* const entry : entries)
-        if (out.empty() || out.back() != entry->arithmetic) out.push_back(entry->arithmetic);
-    return out;
-}
-
 /// The data as they are: the problem with its prior, and its solutions with it and without.
 struct Solved {
     Problem<double> problem;
@@ -219,8 +184,6 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
     Comparison out{.rows = records.rows(),
                    .skipped = records.skipped,
                    .size = records.parameters(),
-                   .names = printable_names(records),
-                   .model = {},
                    .theta = given.with.theta_strings(30),
                    .least_squares = given.without.theta_strings(30),
                    .agreement = agreement(given.with, given.without),
@@ -230,14 +193,12 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
                    .scaled_prior = given.scaled,
                    .prior_bias = relative_change(given.with, given.without, given.scales),
                    .component_bias = largest_relative_change(given.with, given.without, given.scales),
-                   .offset = offset(records),
                    .options = options,
-                   .checkpoints = checkpoints_of(records.rows()),
-                   .rounding = {},
-                   .results = {},
-                   .recommendations = {}};
+                   .checkpoints = checkpoints_of(records.rows())};
+    for (std::string const& name : records.names) out.names.push_back(printable(name));
     out.model.regressors = out.names;
     out.without_prior = given.without;
+    if (constants_text(records).empty()) out.offset = deviations_off_zero(records.y);
     double const noise = needs_noise_variance(options.composition) ? noise_variance(records, given.without) : 0;
     out.options.composition = completed(options.composition, given.problem, noise);
     return out;
@@ -297,16 +258,10 @@ struct Scores {
     std::vector<Runs> runs;
 };
 
-/// Operations a row, which do not depend on the record.
-void count_operations(std::vector<Result>& results, Index size) {
-    for (Result& r : results)
-        if (auto const counted = r.obstacle.empty() ? cost(r.entry->variant, size) : std::nullopt)
-            r.operations = counted->total();
-}
-
 Scores score_once(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared, CompareOptions const& options,
                   StagedProgress const& progress, double to) {
     Scores out{std::vector<Result>(entries.size()), std::vector<Runs>(entries.size())};
+    Index const size = prepared.rounded.begin()->second.records.parameters();
     std::vector<size_t> all(entries.size());
     for (size_t i = 0; i < all.size(); ++i) all[i] = i;
     for_each_entry(all, options, progress, 0, to, [&](size_t i) {
@@ -319,7 +274,9 @@ Scores score_once(std::vector<CatalogueEntry const*> const& entries, Prepared& p
         out.runs[i] = runs_of(*entries[i], rounded, options.seed);
         out.results[i] = result_of(*entries[i], rounded, out.runs[i]);
     });
-    count_operations(out.results, prepared.rounded.begin()->second.records.parameters());
+    for (Result& r : out.results)  // which do not depend on the record
+        if (auto const counted = r.obstacle.empty() ? cost(r.entry->variant, size) : std::nullopt)
+            r.operations = counted->total();
     return out;
 }
 
@@ -384,33 +341,6 @@ void draw(std::vector<CatalogueEntry const*> const& entries, std::vector<Arithme
     }
 }
 
-/// Nanoseconds of each. Called when no other thread of this program runs.
-void time_all(std::vector<Result>& results, Prepared const& prepared, Records const& records,
-              CompareOptions const& options) {
-    for (Result& r : results) {
-        if (!r.obstacle.empty()) continue;
-        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
-            r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records,
-                                            Seed{options.seed});
-    }
-}
-
-std::vector<Recommendation> recommend_all(std::vector<Arithmetic const*> const& used, Comparison const& c) {
-    std::vector<Recommendation> out;
-    for (Arithmetic const* const a : used) out.push_back(recommend(*a, c));
-    return out;
-}
-
-/// With the variance that the prior gives the newest sample.
-std::vector<FastResult> fast_forms(std::vector<Arithmetic const*> const& used, Records const& records,
-                                   Solved const& given, std::vector<Index> const& checkpoints) {
-    std::vector<std::string_view> names;
-    for (Arithmetic const* const a : used) names.push_back(a->name);
-    Prior<double> const& prior = *given.problem.prior;
-    return score_fast_forms(records, given.problem.forgetting,
-                            prior.covariance ? (*prior.covariance)(0, 0) : prior.variance, names, checkpoints);
-}
-
 }  // namespace
 
 Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
@@ -439,9 +369,17 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     out.results = std::move(scores.results);
     if (options.composition.empty()) predict(out.results, prepared.rounded);
     if (options.certify) probe(out.results, prepared.rounded);
-    time_all(out.results, prepared, records, options);
-    out.recommendations = recommend_all(used, out);
-    if (options.composition.empty()) out.fast = fast_forms(used, records, given, out.checkpoints);
+    for (Result& r : out.results)  // when no other thread of this program runs
+        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
+            r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records,
+                                            Seed{options.seed});
+    std::vector<std::string_view> names;
+    for (Arithmetic const* const a : used) names.push_back(a->name), out.recommendations.push_back(recommend(*a, out));
+    Prior<double> const& prior = *given.problem.prior;  // the fast forms take the variance of the newest sample
+    if (options.composition.empty())
+        out.fast =
+            score_fast_forms(records, given.problem.forgetting,
+                             prior.covariance ? (*prior.covariance)(0, 0) : prior.variance, names, out.checkpoints);
     return out;
 }
 

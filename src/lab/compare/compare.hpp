@@ -34,7 +34,7 @@ struct CompareOptions {
     std::uint64_t seed = 1;        ///< of stochastic rounding, and of the orders of rows
     int threads = 0;               ///< 0: all cores; the results do not depend on it
     bool timings = true;           ///< false: ns_per_update is left out
-    bool certify = false;          ///< probes in each filter of float and double (probed.hpp); without a composition
+    bool certify = false;  ///< probes in each filter of float and double (composed_score.hpp); without a composition
 };
 
 /// One value for each of the three measures of accuracy: theta in norm, its worst component, P in the Frobenius norm.
@@ -74,7 +74,7 @@ struct Probed {
     std::optional<double> truth;  ///< in 257 bits; absent of `information`, whose factor the probes look at
 };
 
-/// Digits of P from the rows alone (predicted.hpp), as the median of the spread: about so many, or at least so many.
+/// Digits of P from the rows alone (prior_law.hpp), as the median of the spread: about so many, or at least so many.
 struct Predicted {
     double digits;
     bool at_least;
@@ -101,11 +101,10 @@ struct Result {
     // With a composition around the variant:
     std::string obstacle = {};                     ///< why it cannot be; the rest is then empty
     std::vector<CompositionCounts> happened = {};  ///< at each checkpoint
-    Index certified_to =
-        0;  ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
+    Index certified_to = 0;  ///< the last checkpoint compared with a certified minimiser; then comes the recursion
 };
 
-/// A fast form on a record whose regressors are a delay line (fast_score.hpp).
+/// A fast form on a record whose regressors are a delay line (score.hpp).
 struct FastResult {
     std::string_view form, arithmetic;
     std::optional<double> digits = {};        ///< of the prediction errors; absent where one is not finite
@@ -116,16 +115,14 @@ struct FastResult {
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
 struct RoundingEffect {
     std::string_view arithmetic;
-    double forgetting;  ///< lambda as stored
-    Index rank;         ///< exact, of the regressors as stored
-    bool in_range;      ///< whether lambda and every entry of P0 are positive and finite there
-    std::optional<double>
-        theta_digits;       ///< in which the exact solutions for the given data and for the stored (rounded) data agree
-    double prior_bias;      ///< of the stored problem; NaN when the prior alone makes it one
-    double component_bias;  ///< likewise
-    bool data_in_range = true;  ///< whether every number of the data is finite there
-    bool prior_subnormal =
-        false;  ///< whether an entry of P0 is below the normal numbers there: it and P would lose digits
+    double forgetting;                        ///< lambda as stored
+    Index rank;                               ///< exact, of the regressors as stored
+    bool in_range;                            ///< whether lambda and every entry of P0 are positive and finite there
+    std::optional<double> theta_digits = {};  ///< in which the exact solutions for given and stored data agree
+    double prior_bias = NAN;                  ///< of the stored problem; NaN when the prior alone makes it one
+    double component_bias = NAN;              ///< likewise
+    bool data_in_range = true;                ///< whether every number of the data is finite there
+    bool prior_subnormal = false;             ///< whether an entry of P0 is subnormal there: it and P would lose digits
 };
 
 /// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never
@@ -143,11 +140,10 @@ struct Recommendation {
     bool too_short = false;         ///< none, and a longer arithmetic may have one
     std::vector<Loss> losses = {};  ///< of this variant, the runner-up, and `conventional`: each that was tried, once
     std::string cheapest = {};      ///< of the forms within half a digit that propagate a factor, if it costs less
-    Index exact_rows =
-        0;  ///< `information` is named because its sums are exact, up to so many rows (rounded_problem.hpp)
+    Index exact_rows = 0;  ///< `information` is named because its sums are exact, up to so many rows (score.hpp)
 };
 
-/// Where the products and sums of the normal equations are exact in an arithmetic (rounded_problem.hpp).
+/// Where the products and sums of the normal equations are exact in an arithmetic (score.hpp).
 struct ExactSums {
     std::string_view arithmetic;
     Index rows;  ///< up to which they are, for numbers no larger than the record's
@@ -181,10 +177,9 @@ struct ModelText {
 
 struct Comparison {
     Index rows, skipped, size;
-    std::vector<std::string> names;  ///< of the parameters
-    ModelText model;
-    std::vector<std::string>
-        theta;  ///< the exact minimiser of the problem with the prior, for the data as binary64: 30 digits
+    std::vector<std::string> names = {};  ///< of the parameters
+    ModelText model = {};
+    std::vector<std::string> theta;  ///< the exact minimiser with the prior, for the data as binary64: 30 digits
     std::vector<std::string> least_squares;    ///< the exact minimiser without the prior
     std::vector<double> agreement;             ///< digits in which the two agree, a component each; at most 30
     double radius;                             ///< proven relative error of theta
@@ -193,20 +188,19 @@ struct Comparison {
     std::optional<DefaultPrior> scaled_prior;  ///< absent: options.p0 was given
     double prior_bias;       ///< |theta - least squares| / |least squares| in units of the regressors' sizes
     double component_bias;   ///< the same of the worst component (largest_relative_change)
-    double offset;           ///< |mean of y| in standard deviations; 0 where a regressor is constant
+    double offset = 0;       ///< |mean of y| in standard deviations; 0 where a regressor is constant
     CompareOptions options;  ///< with which it was made; the composition with all its numbers
     std::vector<Index> checkpoints;
-    std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
-    std::vector<Result> results;
-    std::vector<Recommendation> recommendations;
+    std::vector<RoundingEffect> rounding = {};  ///< a line for each arithmetic shorter than binary64
+    std::vector<Result> results = {};
+    std::vector<Recommendation> recommendations = {};
     std::optional<CertifiedSolution> without_prior = {};  ///< of all rows, as stored in double
     std::vector<ExactSums> exact = {};                    ///< the arithmetics in which sums are exact
     std::vector<PriorCost> prior_costs = {};              ///< where somebody computed them: prior_law.hpp
     std::vector<StartCost> start_costs = {};              ///< likewise
     std::vector<FastResult> fast = {};  ///< empty unless the regressors are a delay line, and with a composition
-    std::shared_ptr<struct DigitsAnswer const> digits =
-        {};  ///< with options.digits: what keeps them; it then is the answer that is shown
-    std::optional<report::Provenance> run = {};  ///< with it JSON, CSV and page say which run they are from
+    std::shared_ptr<struct DigitsAnswer const> digits = {};  ///< with options.digits: it is the answer that is shown
+    std::optional<report::Provenance> run = {};              ///< with it JSON, CSV and page say which run they are from
 };
 
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent
@@ -219,5 +213,29 @@ std::string as_table(Comparison const& comparison, bool colour, size_t columns =
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);
 std::string as_page(Comparison const& comparison);
+
+// --- what is to be said of the record before anything is said of variants: the sentences of `identify` ---------------
+
+/// Where the records' rows stand in their file.
+struct InFile {
+    std::vector<Index> rows = {};         ///< of each row of the records: the file's row, from 0
+    std::vector<long> lines = {};         ///< of each row of the file
+    std::vector<double> resolution = {};  ///< of each regressor: the unit to which the file's numbers are rounded
+    Index order = 0;                      ///< the longest lag, less the delay
+};
+
+/// A sentence for each of
+///   (1) regressors that depend on one another but for the rounding of their numbers (doubts.hpp of the model)
+///   (2) a row whose residual of least squares, with these weights and without a prior, is too large for a normal
+///       distribution
+///   (3) regressors whose mean is more than `much_offset` standard deviations off 0, beside a constant: they are nearly
+///       parallel to it, and of their parameters about log10 of that number in digits is lost
+/// None where theta is not determined. Costs as much as two solutions of the reference.
+std::vector<std::string> doubts(Records const& records, CompareOptions const& options,
+                                std::vector<std::string> const& regressors, InFile const& in_file);
+inline constexpr double much_offset = 10;
+
+/// |mean| in standard deviations; infinite where all numbers are one that is not 0.
+double deviations_off_zero(Vector<double> const& x);
 
 }  // namespace rlslab::compare

@@ -13,14 +13,7 @@ using namespace report;
 namespace {
 
 double digits_in_norm(Matrix<Reference> const& x, Matrix<Reference> const& exact) {
-    Reference error = 0, size = 0;
-    for (Index j = 0; j < exact.cols(); ++j)
-        for (Index i = 0; i < exact.rows(); ++i) {
-            Reference const difference = x(i, j) - exact(i, j);
-            error += difference * difference;
-            size += exact(i, j) * exact(i, j);
-        }
-    return digits_of(square_root(error), square_root(size));
+    return digits_of(square_root(Matrix<Reference>(x - exact).squaredNorm()), square_root(exact.squaredNorm()));
 }
 /// Of the worst component; of one that is exactly 0 the error counts as it is.
 double least_digits(Vector<Reference> const& x, Vector<Reference> const& exact) {
@@ -154,6 +147,54 @@ Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded
     out.happened = std::move(happened);
     out.certified_to = certified_to;
     return out;
+}
+
+// --- probes: a filter with them takes the record; E = Phat P^-1 - I of what it stores is computed beside it ----------
+
+namespace {
+
+Matrix<Reference> prior_of(Problem<double> const& problem) {
+    Matrix<Reference> out = Matrix<Reference>::Identity(problem.size, problem.size);
+    if (problem.prior->covariance) out = problem.prior->covariance->cast<Reference>();
+    else out *= Reference(problem.prior->variance);
+    return out;
+}
+
+/// Absent where there is an obstacle.
+std::optional<Probed> probed(CatalogueEntry const& entry, RoundedProblem const& rounded,
+                             std::optional<Matrix<Reference>> const& information) {
+    auto const filter =
+        composed({.certify = probes_of_compare}, entry.variant, entry.arithmetic->name, rounded.problem);
+    if (!filter) return {};
+    filter->update_block(rounded.records, 0, rounded.records.rows());
+    Certificate<double> const found = filter->certificate().value();
+    Probed out{found.estimate, found.bound, {}};
+    if (entry.variant == "information" || !information) return out;
+    Matrix<Reference> E = covariance(*filter) * *information;
+    Matrix<Reference> const P0 = prior_of(rounded.problem);
+    Reference sum = 0;
+    for (Index j = 0; j < E.cols(); ++j)
+        for (Index i = 0; i < E.rows(); ++i) {
+            auto const unit = [&](Index l) { return detail::power_of_two_near(std::sqrt(double(P0(l, l)))); };
+            Reference const e = (E(i, j) - Reference(i == j ? 1 : 0)) * Reference(unit(j) / unit(i));
+            sum += e * e;
+        }
+    out.truth = std::sqrt(static_cast<double>(sum));
+    return out;
+}
+
+}  // namespace
+
+void probe(std::vector<Result>& results, std::map<std::string_view, RoundedProblem> const& rounded) {
+    for (std::string_view const arithmetic : {"float", "double"}) {
+        auto const problem = rounded.find(arithmetic);
+        if (problem == rounded.end() || !problem->second.in_range) continue;
+        std::vector<CertifiedSolution> const& exact = problem->second.orders.front().exact;
+        std::optional<Matrix<Reference>> information;
+        if (!exact.empty()) information = inverse_of(exact.back().covariance());
+        for (Result& r : results)
+            if (r.entry->arithmetic->name == arithmetic) r.probed = probed(*r.entry, problem->second, information);
+    }
 }
 
 }  // namespace rlslab::compare

@@ -1,8 +1,9 @@
-// The digits that a composition keeps around a variant, against what it would answer without rounding.
+// The digits that a composition keeps around a variant, against what it would answer without rounding. What the probes
+// of a running filter show of its error of P, beside that error in 257 bits.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
-#include "src/lab/compare/rounded_problem.hpp"
+#include "src/lab/compare/score.hpp"
 
 #include <map>
 #include <mutex>
@@ -54,5 +55,11 @@ bool intervened(Composition const& composition, CompositionCounts const& happene
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed
 /// so, Result::obstacle gives the reason.
 Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded, CompositionReference& reference);
+
+/// Probes that --certify gives each filter.
+inline constexpr Index probes_of_compare = 3;
+
+/// Result::probed of each form in float or double that takes probes. `rounded`: by the name of the arithmetic.
+void probe(std::vector<Result>& results, std::map<std::string_view, RoundedProblem> const& rounded);
 
 }  // namespace rlslab::compare

@@ -5,7 +5,6 @@
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
-#include <rlslab/input/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
@@ -19,24 +18,13 @@ constexpr double margin = 0.3;                             // digits that the pr
 constexpr double digits_a_doubling = 0.60205999132796239;  // 2 log10 2: the prior's weight falls with c^2
 
 /// Those that the options name, in that order, or all; each once, and with one of the variants.
-std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
-    std::vector<Arithmetic const*> wanted, out;
-    for (std::string const& name : options.arithmetics)
-        if (Arithmetic const* const a = &arithmetic_named(name, "--arithmetic");
-            std::ranges::find(wanted, a) == wanted.end())
-            wanted.push_back(a);
-    bool const any = wanted.empty();
-    if (any)
-        for (Arithmetic const& a : arithmetics()) wanted.push_back(&a);
-    for (Arithmetic const* const a : wanted)
-        if (std::ranges::any_of(entries_in(*a), [&](CatalogueEntry const* e) {
-                return options.variants.empty() ||
-                       std::ranges::find(options.variants, e->variant) != options.variants.end();
-            }))
-            out.push_back(a);
-    if (any) std::ranges::stable_sort(out, {}, &Arithmetic::digits);
-    if (out.empty())
-        throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+std::vector<Arithmetic const*> to_try(CompareOptions options) {
+    options.composition = {};
+    std::vector<Arithmetic const*> out = arithmetics_of(chosen(options));
+    std::ranges::stable_sort(out, {}, [&](Arithmetic const* a) {
+        return std::ranges::find_if(
+            options.arithmetics, [&](std::string const& name) { return &arithmetic_named(name, "--arithmetic") == a; });
+    });
     return out;
 }
 
@@ -175,6 +163,12 @@ std::optional<GuardTrial> guard_trial(CatalogueEntry const& entry, Problem<doubl
 
 }  // namespace
 
+std::vector<std::string> ArithmeticTrial::zeros() const {
+    std::vector<std::string> out;
+    for (size_t i = 0; i < is_zero.size(); ++i)
+        if (is_zero[i]) out.push_back(comparison.names[i]);
+    return out;
+}
 KeptDigits const* ArithmeticTrial::first_enough() const {
     auto const found = std::ranges::find_if(sound, [&](KeptDigits const& k) { return k.both() >= wanted; });
     return found == sound.end() ? nullptr : &*found;
@@ -186,7 +180,7 @@ KeptDigits const* ArithmeticTrial::most() const {
 DigitsAnswer digits_answer(Records const& records, CompareOptions const& options, ModelText const& model,
                            Progress const& progress) {
     DigitsAnswer out{.wanted = wanted_digits(options), .trials = {}, .guard = {}};
-    std::vector<Arithmetic const*> const arithmetics = arithmetics_of(options);
+    std::vector<Arithmetic const*> const arithmetics = to_try(options);
     for (Arithmetic const* const a : arithmetics) {
         out.trials.push_back(tried(records, options, *a, !fits(records, *a)));
         out.trials.back().comparison.model = model;

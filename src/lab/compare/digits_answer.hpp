@@ -37,6 +37,7 @@ struct ArithmeticTrial {
         sound;  ///< the variants that never broke down, in the order in which they are recommended (recommend.hpp)
     double wanted = 0;  ///< digits
 
+    std::vector<std::string> zeros() const;  ///< the names of parameters that are zero
     KeptDigits const* first_enough() const;  ///< the first that keeps as many as are wanted, or null
     KeptDigits const* most() const;          ///< the one that keeps the most, or null
 };
@@ -73,8 +74,8 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
 
 /// The answer as text, with the C++ that makes the filter.
 std::string answer_text(DigitsAnswer const& answer, bool colour, size_t columns = 0);
-/// The answer as JSON: the section "digits" of a comparison.
-std::string answer_json(DigitsAnswer const& answer);
+/// Digits to a tenth, rounded down: none is promised that is not there.
+inline double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
 /// The C++ file alone; "" where nothing keeps the digits, or in an arithmetic that is no type of the hardware.
 std::string code(DigitsAnswer const& answer);
 

@@ -1,33 +1,19 @@
-// What keeps the digits that are wanted: in words, in JSON, and in C++ to paste.
+// What keeps the digits that are wanted: in words, and in C++ to paste.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/words.hpp"
 
 #include <rlslab/input/text.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace rlslab::compare {
 using namespace report;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string bold(std::string const& text, bool colour) { return colour ? "\x1b[1m" + text + "\x1b[0m" : text; }
 
-/// Digits to a tenth, rounded down: none is promised that is not there.
-double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
 std::string digits_text(double digits) { return digits > 0 ? fmt::format("{:.1f}", tenth_below(digits)) : "no"; }
-
-std::vector<std::string> zeros(ArithmeticTrial const& t) {
-    std::vector<std::string> out;
-    for (size_t i = 0; i < t.is_zero.size(); ++i)
-        if (t.is_zero[i]) out.push_back(t.comparison.names[i]);
-    return out;
-}
 
 /// Why an arithmetic is not the answer.
 std::string failing(ArithmeticTrial const& t) {
@@ -40,13 +26,6 @@ std::string failing(ArithmeticTrial const& t) {
     for (RoundingEffect const& s : t.comparison.rounding)
         if (s.theta_digits && *s.theta_digits < t.wanted)
             out += fmt::format("; rounding the data to it leaves {} of theta", digits_text(*s.theta_digits));
-    return out;
-}
-
-std::vector<double> diagonal(ArithmeticTrial const& t) {
-    Matrix<double> const P0 = *t.comparison.scaled_prior->prior().covariance;
-    std::vector<double> out;
-    for (Index i = 0; i < P0.rows(); ++i) out.push_back(P0(i, i));
     return out;
 }
 
@@ -99,7 +78,7 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
                               "least-squares solution for these data; how well the data determine that is another "
                               "question",
                               a.wanted));
-    if (auto const none = zeros(a.trials.back()); !none.empty())
+    if (auto const none = a.trials.back().zeros(); !none.empty())
         out +=
             paragraph(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")));
     for (ArithmeticTrial const& t : a.trials)
@@ -123,7 +102,8 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
             digits_text(k.along)));
     if (runs > 1) out += line("runs", "each with other draws of the rounding, or with the rows in another order");
     out += line("costs", fmt::format("{} operations a row", *k.result->operations));
-    out += line("prior", fmt::format("theta 0, P0 = diag({})", fmt::join(diagonal(*t), ", ")));
+    out +=
+        line("prior", fmt::format("theta 0, P0 = diag({})", fmt::join(diagonal_of(*t->comparison.scaled_prior), ", ")));
     out += line("scaling", scaling_text(*t));
     out += line("guard", guard_text(a));
     std::vector<std::string> others;
@@ -136,55 +116,6 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
     std::string const text = code(a);
     return out + (text.empty() ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic)
                                : fmt::format("\n{}", columns > 0 ? folded(text, width) : text));
-}
-
-std::string answer_json(DigitsAnswer const& a) {
-    auto const tenth = [](double x) {
-        return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", tenth_below(x))) : Json(nullptr);
-    };
-    Comparison const& last = a.trials.back().comparison;
-    Json means = Json::object();
-    for (auto const& [column, mean] : last.model.means) means[column] = mean;
-    Json out{{"file", last.model.file},
-             {"rows", last.rows},
-             {"skipped", last.skipped},
-             {"parameters", last.names},
-             {"regressors", last.model.regressors},
-             {"output", last.model.output},
-             {"means", means},
-             {"digits", a.wanted},
-             {"forgetting", last.options.forgetting},
-             {"warnings", warnings(last)},
-             {"zero_parameters", zeros(a.trials.back())},
-             {"tried", Json::array()}};
-    for (ArithmeticTrial const& t : a.trials) {
-        Json one{{"arithmetic", t.arithmetic},
-                 {"in_range", t.in_range},
-                 {"p0", diagonal(t)},
-                 {"exponents", t.exponents},
-                 {"output_exponent", t.output_exponent},
-                 {"variants", Json::array()}};
-        for (KeptDigits const& k : t.sound)
-            one["variants"].push_back({{"variant", k.result->entry->variant},
-                                       {"digits_along", tenth(k.along)},
-                                       {"digits_at_end", tenth(k.at_end)},
-                                       {"operations", *k.result->operations},
-                                       {"enough", k.both() >= t.wanted}});
-        out["tried"].push_back(std::move(one));
-    }
-    out["advice"] = nullptr;
-    if (KeptDigits const* const k = a.choice()) {
-        out["advice"] = {
-            {"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", a.guarded()}};
-        if (a.guard)
-            out["advice"]["guard_met"] = {{"outliers", a.guard->counts.outliers},
-                                          {"changes", a.guard->counts.changes},
-                                          {"windups", a.guard->counts.windups},
-                                          {"breakdowns", a.guard->counts.breakdowns},
-                                          {"unusable", a.guard->counts.unusable}};
-        out["advice"]["code"] = code(a);
-    }
-    return out.dump(1) + "\n";
 }
 
 }  // namespace rlslab::compare

@@ -1,5 +1,5 @@
 // The minimiser without a prior, its residuals, and what they and the columns say.
-#include "src/lab/compare/doubts.hpp"
+#include "src/lab/compare/compare.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/input/constant.hpp>
@@ -26,28 +26,17 @@ std::optional<Outlier> outlier_of(Records const& records, Vector<Reference> cons
     return Outlier{row + 1, in_file.lines[size_t(row)], false, found->deviations, found->share};
 }
 
-/// |mean| over standard deviation of each regressor; 0 for a constant.
-std::vector<double> offsets(Records const& records) {
-    std::vector<double> out;
-    for (Index i = 0; i < records.parameters(); ++i) {
-        auto const x = records.psi.row(i);
-        double mean = 0, squares = 0;
-        for (double const v : x) mean += v / double(records.rows());
-        for (double const v : x) squares += (v - mean) * (v - mean) / double(records.rows());
-        out.push_back(constant_value(x) || !(squares > 0) ? 0 : std::abs(mean) / std::sqrt(squares));
-    }
-    return out;
-}
-
 std::string sentence_on_offset(Records const& records, std::vector<std::string> const& regressors) {
-    std::vector<double> const all = offsets(records);
+    double most = 0;
     bool constant = false;
-    for (Index i = 0; i < records.parameters(); ++i) constant |= constant_value(records.psi.row(i)).has_value();
     std::vector<Index> far;
-    for (size_t i = 0; i < all.size(); ++i)
-        if (all[i] > much_offset) far.push_back(Index(i));
+    for (Index i = 0; i < records.parameters(); ++i) {
+        bool const still = constant_value(records.psi.row(i)).has_value();
+        double const off = still ? 0 : deviations_off_zero(records.psi.row(i));
+        constant = constant || still, most = std::max(most, off);
+        if (off > much_offset) far.push_back(i);
+    }
     if (!constant || far.empty()) return "";
-    double const most = *std::ranges::max_element(all);
     return fmt::format(
         "{}: the mean is {}{:.3g} standard deviations off 0, beside a constant: that costs factor forms about {:.1f} "
         "digits of theta, forms that store P up to twice as many or more, and the rounding of the data to a short word "
@@ -56,6 +45,16 @@ std::string sentence_on_offset(Records const& records, std::vector<std::string> 
 }
 
 }  // namespace
+
+double deviations_off_zero(Vector<double> const& x) {
+    if (auto const value = constant_value(x)) return *value == 0 ? 0 : std::numeric_limits<double>::infinity();
+    int unit = 0;  // in units of a power of two, whose squares double can hold
+    std::frexp(x.cwiseAbs().maxCoeff(), &unit);
+    double mean = 0, squares = 0, N = double(x.size());
+    for (double const v : x) mean += std::ldexp(v, -unit) / N;
+    for (double const v : x) squares += (std::ldexp(v, -unit) - mean) * (std::ldexp(v, -unit) - mean) / N;
+    return mean == 0 ? 0 : std::abs(mean) / std::sqrt(squares);
+}
 
 std::vector<std::string> doubts(Records const& records, CompareOptions const& options,
                                 std::vector<std::string> const& regressors, InFile const& in_file) {

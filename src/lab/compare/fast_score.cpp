@@ -1,5 +1,5 @@
 // Runs the fast forms over a record and compares their prediction errors with the certified ones.
-#include "src/lab/compare/fast_score.hpp"
+#include "src/lab/compare/score.hpp"
 
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/arithmetic/elementary.hpp>

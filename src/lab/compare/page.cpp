@@ -262,9 +262,9 @@ std::string tables(Comparison const& c) {
                                          loss_text(*x, results)};
             for (Shown const& of : shown) row.push_back(x->spread ? spread_words((*x->spread).*of.spread) : "-");
             row.push_back(breakdown_text(*x));
-            row.push_back(asymmetry_text(x->asymmetry));
-            row.push_back(operations_text(x->operations));
-            if (c.options.timings) row.push_back(nanoseconds_text(x->ns_per_update));
+            row.push_back(x->asymmetry == 0 ? "0" : known(x->asymmetry, "{:.0e}"));
+            row.push_back(known(x->operations, "{}"));
+            if (c.options.timings) row.push_back(known(x->ns_per_update, "{:.0f}"));
             if (!c.options.composition.empty()) row.push_back(counts_text(c, *x));
             rows.push_back(std::move(row));
         }
@@ -288,8 +288,7 @@ std::string probes(Comparison const& c) {
             if (!x->probed) continue;
             if (is_recommended(c, *x)) best.push_back(rows.size());
             rows.push_back({(is_recommended(c, *x) ? "★ " : "") + std::string(x->entry->variant),
-                            number(x->probed->estimate), number(x->probed->bound),
-                            x->probed->truth ? number(*x->probed->truth) : "-"});
+                            number(x->probed->estimate), number(x->probed->bound), known(x->probed->truth, "{:.1e}")});
         }
         if (!rows.empty())
             out += fmt::format("<h3>{}</h3>\n", r.arithmetic) +

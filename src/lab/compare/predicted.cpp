@@ -1,5 +1,5 @@
 // Triangles of the rows so far in double; each row that is kept is carried to each checkpoint.
-#include "src/lab/compare/predicted.hpp"
+#include "src/lab/compare/prior_law.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/variants/potter.hpp>

@@ -22,17 +22,6 @@ double as_double(Reference const& x) { return static_cast<double>(x); }
 double square(double x) { return x * x; }
 double square(Reference const& x) { return square(as_double(x)); }
 
-Vec product(Mat const& A, Vec const& x) {
-    Vec out = Vec::Zero(x.size());
-    for (Index j = 0; j < x.size(); ++j)
-        for (Index i = 0; i < x.size(); ++i) out[i] += A(i, j) * x[j];
-    return out;
-}
-Reference inner(Vec const& x, Vec const& y) {
-    Reference sum = 0;
-    for (Index i = 0; i < x.size(); ++i) sum += x[i] * y[i];
-    return sum;
-}
 double squares(Vec const& x) {
     double sum = 0;
     for (Index i = 0; i < x.size(); ++i) sum += square(x[i]);
@@ -40,14 +29,7 @@ double squares(Vec const& x) {
 }
 
 /// P of one row more, of variance v: f = P psi, K = f / (v + psi'f).
-void take(Mat& P, Vec const& f, Vec const& K) {
-    for (Index j = 0; j < f.size(); ++j)
-        for (Index i = 0; i < f.size(); ++i) P(i, j) -= K[i] * f[j];
-}
-Vec over(Vec x, Reference const& s) {
-    for (Reference& one : x) one /= s;
-    return x;
-}
+void take(Mat& P, Vec const& f, Vec const& K) { P -= K.lazyProduct(f.transpose()); }
 
 /// The sums of (3), (4) and (5) as they grow row by row.
 class Recursion {
@@ -63,10 +45,10 @@ public:
         Reference const by_c2 = Reference(1) / c2;
         for (Index i = 0; i < d_; ++i) {  // the prior as d rows e_i of noise variance c^2
             Vec const f = P_N_.col(i);
-            take(P_N_, f, over(f, Reference(c2 + f[i])));
+            take(P_N_, f, f / Reference(c2 + f[i]));
             P_(i, i) = c2;
         }
-        theta_N_ = product(P_N_, theta_free), s_ = Vec(d_);
+        theta_N_ = P_N_.lazyProduct(theta_free), s_ = Vec(d_);
         for (Index i = 0; i < d_; ++i) {
             theta_N_[i] = theta_free[i] - by_c2 * theta_N_[i];  // (1)
             s_[i] = -by_c2 * theta_N_[i];
@@ -76,9 +58,9 @@ public:
     double bias(Vec const& theta_free) const { return std::sqrt(squares(Vec(theta_N_ - theta_free))); }
 
     void row(Vec const& psi, Reference const& y) {
-        Vec const f = product(P_, psi);
-        Reference const s = Reference(1) + inner(psi, f), e = y - inner(psi, theta_), r = y - inner(psi, theta_N_);
-        Vec const P_N_psi = product(P_N_, psi), gain = over(f, s);
+        Vec const f = P_.lazyProduct(psi);
+        Reference const s = Reference(1) + psi.dot(f), e = y - psi.dot(theta_), r = y - psi.dot(theta_N_);
+        Vec const P_N_psi = P_N_.lazyProduct(psi), gain = f / s;
         Numbers q2(size_t(d_), 0.0), K(size_t(d_), 0.0), w2(size_t(d_), 0.0), before(size_t(d_ * d_), 0.0);
         for (Index j = 0; j < d_; ++j)
             for (Index i = 0; i < d_; ++i) {
@@ -96,7 +78,7 @@ public:
                 W_(i, j) += P_N_psi[i] * psi[j];
                 w2[size_t(j)] += square(W_(i, j));
             }
-        Reference const Ks = inner(gain, s_);
+        Reference const Ks = gain.dot(s_);
         double const p2 = squares(P_N_psi), r2 = square(r), e2 = square(e), step2 = square(Reference(e / s));
         Numbers after(size_t(d_), 0.0);  // sum_i P_j,ai^2 psi_i^2
         for (Index i = 0; i < d_; ++i)

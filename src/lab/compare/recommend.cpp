@@ -11,6 +11,8 @@ using namespace report;
 namespace {
 
 constexpr double least_digits_of_P = 0.5, least_digits_of_data = 0.5;
+/// That forms may differ by and count as alike: of `low`, and of what is named beside the best.
+constexpr double half_a_digit = 0.5;
 
 std::string spread_text(Spread const& s) { return fmt::format("{:.1f} ({:.1f} to {:.1f})", s.median, s.low, s.high); }
 
@@ -51,18 +53,7 @@ std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
 bool takes_single_rows(Result const& r) { return r.entry->block == 1 && r.operations; }
 bool is_sound(Result const& r) { return r.broken == 0 && r.others.broken == 0 && r.spread; }
 
-bool preferred(Result const& a, Result const& b) {
-    auto const key = [](Result const& r) {
-        return std::tuple(!r.factor, r.entry->propagates != "covariance", *r.operations);
-    };
-    return key(a) < key(b);
-}
-
-double wanted_digits(CompareOptions const& options) { return options.digits.value_or(enough_digits); }
-
-bool is_usable(Result const& r, double wanted) {
-    return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P && !r.foretold;
-}
+double wanted_digits(CompareOptions const& options) { return options.digits.value_or(3); }
 
 Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
     static constexpr char const* names[] = {"theta", "its worst component", "P"};
@@ -77,6 +68,26 @@ Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
     return out;
 }
 
+namespace {
+
+/// Whether a comes before b among forms that are equally accurate:
+///   (1) a form that propagates a factor before one that propagates P or its inverse: no rounding makes the first
+///     indefinite
+///   (2) covariance before information: gain and P are at hand, theta needs no solve
+///   (3) fewer operations a row
+bool preferred(Result const& a, Result const& b) {
+    auto const key = [](Result const& r) {
+        return std::tuple(!r.factor, r.entry->propagates != "covariance", *r.operations);
+    };
+    return key(a) < key(b);
+}
+
+/// Keeps so many, and half a digit of P (the median).
+bool is_usable(Result const& r, double wanted) {
+    return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P && !r.foretold;
+}
+
+/// By how many digits its `low` is below another's, in the measure and against the form where that is most.
 double behind(Result const& r, std::vector<Result const*> const& sound) {
     double out = 0;
     for (auto const m : PerMeasure<Spread>::all())
@@ -86,8 +97,6 @@ double behind(Result const& r, std::vector<Result const*> const& sound) {
         }
     return out;
 }
-
-namespace {
 
 double tenths_of(double digits) { return std::round(10 * digits); }
 /// Tenths beyond half a digit.

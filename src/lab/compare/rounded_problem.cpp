@@ -1,5 +1,5 @@
 // Rounding a problem, and solving it exactly along each order of its rows.
-#include "src/lab/compare/rounded_problem.hpp"
+#include "src/lab/compare/score.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -68,9 +68,8 @@ std::string fast_text(Comparison const& c, Paint const& paint) {
         }
         std::string const broke =
             r.breakdown ? fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step) : "none";
-        out += paint(r.breakdown ? "31" : "0",
-                     fmt::format("  {:<28}{:>17}  {:<19}{:>6}", r.form,
-                                 r.digits ? fmt::format("{:.1f}", *r.digits) : "-", broke, r.operations)) +
+        out += paint(r.breakdown ? "31" : "0", fmt::format("  {:<28}{:>17}  {:<19}{:>6}", r.form,
+                                                           known(r.digits, "{:.1f}"), broke, r.operations)) +
                '\n';
     }
     return out;
@@ -134,7 +133,7 @@ std::string table_text(Comparison const& c, Paint const& paint, size_t width) {
                     cells += fmt::format("{}{:>7}", indent, (*r)->spread ? tenths((*(*r)->spread.*m).median) : "-");
                     indent = "";
                 }
-                if ((*r)->operations) ops = operations_text((*r)->operations);
+                if ((*r)->operations) ops = known((*r)->operations, "{}");
                 if (!plain) what = counts_text(c, **r);
             }
             std::string line = fmt::format("{} {:<{}}{}{:>{}}",
@@ -175,22 +174,20 @@ std::string predicted_text(Comparison const& c) {
 /// What the probes show, of the forms in the table.
 std::string probes_text(Comparison const& c, Paint const& paint, size_t width) {
     std::string titles, columns, lines;
-    std::vector<Arithmetic const*> arithmetics;
+    std::string_view last;
     for (Result const& r : c.results) {
-        if (r.probed && std::ranges::find(arithmetics, r.entry->arithmetic) == arithmetics.end()) {
-            arithmetics.push_back(r.entry->arithmetic);
-            titles += fmt::format("{:>30}", r.entry->arithmetic->name);
-            columns += fmt::format("{:>12}{:>9}{:>9}", "estimate", "bound", "truth");
-        }
+        if (!r.probed || r.entry->arithmetic->name == last) continue;
+        last = r.entry->arithmetic->name;
+        titles += fmt::format("{:>30}", last);
+        columns += fmt::format("{:>12}{:>9}{:>9}", "estimate", "bound", "truth");
     }
-    if (arithmetics.empty()) return "";
+    if (titles.empty()) return "";
     for (Row const& row : shown_rows(c)) {
         std::string cells;
-        for (Arithmetic const* a : arithmetics)
-            for (Result const* r : row.results)
-                if (r->entry->arithmetic == a && r->probed)
-                    cells += fmt::format("{:>12.1e}{:>9.1e}{:>9}", r->probed->estimate, r->probed->bound,
-                                         r->probed->truth ? fmt::format("{:.1e}", *r->probed->truth) : "-");
+        for (Result const* r : row.results)
+            if (r->probed)
+                cells += fmt::format("{:>12.1e}{:>9.1e}{:>9}", r->probed->estimate, r->probed->bound,
+                                     known(r->probed->truth, "{:.1e}"));
         if (!cells.empty()) lines += fmt::format("  {:<16}{}\n", row.variant, cells);
     }
     return '\n' + paint("1", fmt::format("  {:<16}{}", "probes", titles)) + '\n' +

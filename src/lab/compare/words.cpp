@@ -2,7 +2,7 @@
 #include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/prior_law.hpp"
-#include "src/lab/compare/probed.hpp"
+#include "src/lab/compare/composed_score.hpp"
 #include "src/lab/compare/score.hpp"
 
 #include <algorithm>
@@ -64,16 +64,10 @@ std::string breakdown_text(Result const& r) {
     return r.foretold ? fmt::format("about row {:.0f}", rounded_row(*r.foretold)) : "none";
 }
 
-std::string asymmetry_text(std::optional<double> const& asymmetry) {
-    if (!asymmetry) return "-";
-    return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
+std::vector<double> diagonal_of(DefaultPrior const& prior) {
+    Matrix<double> const P0 = *prior.prior().covariance;
+    return {P0.diagonal().begin(), P0.diagonal().end()};
 }
-
-std::string operations_text(std::optional<long> const& operations) {
-    return operations ? fmt::format("{}", *operations) : "-";
-}
-
-std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
 
 std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
     return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
@@ -157,7 +151,13 @@ std::string prior_text(Comparison const& c) {
 }
 
 std::vector<std::string> warnings(Comparison const& c) {
-    std::vector<std::string> out = composition_warnings(c);
+    Composition const& of = c.options.composition;
+    std::vector<std::string> out = warnings_of(of, c.rows, c.size);
+    double const weighs = double(c.rows) / double(std::max<Index>(of.window, 1));
+    if (of.window >= c.size && of.window < c.rows && !(c.component_bias * weighs <= most_component_bias / 10))
+        out.push_back(
+            fmt::format("the prior's bias is that of all rows; in a window of {} rows it is {:.2g} times as large",
+                        of.window, weighs));
     out.insert(out.end(), c.model.warnings.begin(), c.model.warnings.end());
     std::string const remedy = c.options.p0 ? "leave out --p0 for one that is scaled to the data"
                                             : "no prior in range will do; rescale the columns";
@@ -198,17 +198,6 @@ std::string counts_text(Comparison const& comparison, Result const& r) {
     if (comparison.options.composition.keeps_the_problem() && r.certified_to < comparison.rows)
         out.push_back(r.certified_to == 0 ? "recursion" : fmt::format("recursion from row {}", r.certified_to + 1));
     return fmt::format("{}", fmt::join(out, ", "));
-}
-
-std::vector<std::string> composition_warnings(Comparison const& c) {
-    Composition const& of = c.options.composition;
-    std::vector<std::string> out = warnings_of(of, c.rows, c.size);
-    double const weighs = double(c.rows) / double(std::max<Index>(of.window, 1));
-    if (of.window >= c.size && of.window < c.rows && !(c.component_bias * weighs <= most_component_bias / 10))
-        out.push_back(
-            fmt::format("the prior's bias is that of all rows; in a window of {} rows it is {:.2g} times as large",
-                        of.window, weighs));
-    return out;
 }
 
 std::string composition_includes(Composition const& c) {

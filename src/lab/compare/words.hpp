@@ -5,6 +5,8 @@
 
 #include <rlslab/catalogue/composition_text.hpp>
 
+#include <fmt/format.h>
+
 namespace rlslab::compare {
 
 /// The width of the widest table, and of the text around it.
@@ -22,12 +24,14 @@ std::string tenths(double digits);
 /// "none", "indefinite at 25", "in 2 of 4 draws", "in 1 of 3 orders" (other ones than the record's), "about row 11000".
 std::string breakdown_text(Result const& result);
 
-/// "8e-01", "0"; "-" where nothing is known.
-std::string asymmetry_text(std::optional<double> const& asymmetry);
+/// The number as the format prints it; "-" where there is none.
+template <class X>
+std::string known(std::optional<X> const& x, char const* format) {
+    return x ? fmt::format(fmt::runtime(format), *x) : "-";
+}
 
-/// Whole numbers; "-" where there are none.
-std::string operations_text(std::optional<long> const& operations);
-std::string nanoseconds_text(std::optional<double> const& ns);
+/// The diagonal of P0 that is scaled to the data.
+std::vector<double> diagonal_of(DefaultPrior const& prior);
 
 /// "as stored: lambda 0.9906, rank 5 of 5; rounding the data leaves 2.3 digits of the exact theta"
 std::string rounding_text(RoundingEffect const& effect, Comparison const& comparison);
@@ -61,9 +65,6 @@ std::string against_text(Comparison const& comparison);
 
 /// What happened to one of the filters: "factored anew 3 times, 2 outliers"; "".
 std::string counts_text(Comparison const& comparison, Result const& result);
-
-/// What is odd about the composition on this record, a sentence each.
-std::vector<std::string> composition_warnings(Comparison const& comparison);
 
 /// The headers of <rlslab/adapt/...> that the composition needs, a line each.
 std::string composition_includes(Composition const& composition);

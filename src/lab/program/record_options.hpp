@@ -1,7 +1,7 @@
 // The record that compare works on: a file, its columns and a model.
 #pragma once
 
-#include "src/lab/compare/doubts.hpp"
+#include "src/lab/compare/compare.hpp"
 #include "src/lab/program/commands.hpp"
 
 #include <optional>

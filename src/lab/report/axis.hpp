@@ -55,8 +55,6 @@ public:
     double length() const { return high_ - low_; }
     /// The exponent of two of the unit of length(); logarithmic: 0.
     int exponent() const { return exponent_; }
-    double begin() const { return begin_; }
-    double end() const { return end_; }
     /// At 1, 2 or 5 times a power of ten, or at powers of ten; about as many with labels, or fewer.
     Ticks ticks(int about) const;
 };

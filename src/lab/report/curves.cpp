@@ -16,11 +16,10 @@ using Run = std::vector<Point>;
 constexpr double far = 1e9;  // so far outside, a place and its difference from another are still finite
 
 /// The curve's points in the drawing, broken where one cannot be shown.
-template <class Y>
-std::vector<Run> runs(Curve const& curve, Axes const& axes, Y const& y_of) {
+std::vector<Run> runs(Curve const& curve, Axes const& axes) {
     std::vector<Run> out(1);
     for (size_t i = 0; i < curve.x.size(); ++i) {
-        double const y = y_of(i);
+        double const y = i < curve.y.size() ? curve.y[i] : NAN;
         if (axes.x.shows(curve.x[i]) && axes.y.shows(y))
             out.back().push_back({std::clamp(axes.x(curve.x[i]), -far, far), std::clamp(axes.y(y), -far, far)});
         else if (!out.back().empty()) out.emplace_back();
@@ -269,8 +268,7 @@ std::string curve_group(Figure const& figure, Panel const& panel, Curve const& c
     if (!guide && curve.stems) out += stems(curve, axes);
     std::string path;
     if (curve.line)
-        for (Run const& run : runs(curve, axes, [&](size_t i) { return i < curve.y.size() ? curve.y[i] : NAN; }))
-            path += path_of(thinned(run), axes.box);
+        for (Run const& run : runs(curve, axes)) path += path_of(thinned(run), axes.box);
     if (!path.empty())
         out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path,
                            line_style(curve.look, curve.strong     ? 3.4

@@ -110,18 +110,18 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
               .left = {},
               .bottom = {},
               .x_lines = wrapped(figure.x, label_size, width - 90, 3),
-              .y_lines = {},
-              .widest = 0};
+              .y_lines = {}};
+    double widest = 0;                                 // of the labels on the left
     Box& box = out.axes.box = {0, 18, width - 20, 0};  // half a label of x stands beyond either side
     for (int pass = 0; pass < (square ? 3 : 1); ++pass) {
         out.left = figure.cells ? Ticks{} : y.ticks(about);
         for (size_t r = 0; r < cells.rows.size(); ++r)
             out.left.all.push_back({double(r), shortened(cells.rows[r], tick_size, 0.35 * width)});
-        for (Tick const& tick : out.left.all) out.widest = std::max(out.widest, width_of(tick));
+        for (Tick const& tick : out.left.all) widest = std::max(widest, width_of(tick));
         Bottom const guess = bottom_of(figure, x, width - 90, out.x_lines);
         out.y_lines = wrapped(figure.cells ? figure.series : figure.y, label_size, height - box.top - guess.height, 3);
         box.left =
-            std::max(24.0, out.widest + 10 + line_height * double(out.y_lines.size()) + (out.y_lines.empty() ? 2 : 6));
+            std::max(24.0, widest + 10 + line_height * double(out.y_lines.size()) + (out.y_lines.empty() ? 2 : 6));
         out.x_lines = wrapped(figure.x, label_size, box.right - box.left, 3);
         out.bottom = bottom_of(figure, x, box.right - box.left, out.x_lines);
         box.bottom = std::max(box.top + 20, height - out.bottom.height);

@@ -1,7 +1,6 @@
 // The skeleton of a page and what stands in it.
 #include "src/lab/report/page.hpp"
 
-#include "src/lab/report/page_assets.hpp"
 #include "src/lab/report/plot.hpp"
 #include "src/lab/report/svg.hpp"
 
@@ -151,6 +150,10 @@ std::string table_html(std::vector<std::string> const& head, std::vector<std::ve
     }
     return out + "</tbody></table></div>\n";
 }
+
+/// page.css and page.js as text: src/lab/report/CMakeLists.txt writes the file that defines both.
+extern char const* const page_style;
+extern char const* const page_script;
 
 std::string page(std::string_view title, std::string_view body) {
     return fmt::format(

@@ -73,7 +73,6 @@ struct Frame {
     Ticks left;
     Bottom bottom;
     std::vector<std::string> x_lines, y_lines;
-    double widest;  ///< of the labels on the left
 };
 Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double width, double height);
 std::string grid_group(Figure const& figure, Frame const& frame);

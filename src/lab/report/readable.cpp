@@ -1,33 +1,26 @@
 // LaTeX as plain text: words for Greek letters, a/b for fractions, no backslash.
 #include "src/lab/report/page.hpp"
 
+#include <functional>
 #include <map>
+#include <sstream>
 
 namespace rlslab::report {
 namespace {
 
 /// Commands by their names, as text.
-std::map<std::string_view, std::string_view> const& words() {
+std::map<std::string, std::string, std::less<>> const& words() {
     static auto const list = [] {
-        std::map<std::string_view, std::string_view> out{{"quad", "  "}, {"qquad", "    "}, {"|", "‖"}, {"\\", ";  "},
-                                                         {",", " "},     {";", " "},        {":", " "}, {" ", " "},
-                                                         {"!", ""},      {"{", "{"},        {"}", "}"}};
-        std::string_view left =
+        std::map<std::string, std::string, std::less<>> out{
+            {"quad", "  "}, {"qquad", "    "}, {"|", "‖"}, {"\\", ";  "}, {",", " "}, {";", " "},
+            {":", " "},     {" ", " "},        {"!", ""},  {"{", "{"},    {"}", "}"}};
+        std::istringstream left(
             "alpha α beta β gamma γ delta δ epsilon ε varepsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ "
             "nu ν xi ξ pi π rho ρ sigma σ tau τ phi φ psi ψ omega ω Phi Φ Psi Ψ Sigma Σ Delta Δ Lambda Λ Theta Θ "
             "top ᵀ infty ∞ le ≤ leq ≤ ge ≥ geq ≥ ne ≠ neq ≠ ll ≪ gg ≫ approx ≈ sim ~ lesssim ≲ gtrsim ≳ propto ∝ "
             "pm ± cdot · times × to → rightarrow → Rightarrow ⇒ Longrightarrow ⟹ in ∈ sum Σ prod Π sqrt √ "
-            "ldots … dots … cdots … lfloor ⌊ rfloor ⌋ ell ℓ partial ∂ ";
-        auto const word = [&] {
-            size_t const end = left.find(' ');
-            std::string_view const found = left.substr(0, end);
-            left.remove_prefix(end + 1);
-            return found;
-        };
-        while (!left.empty()) {
-            std::string_view const name = word();
-            out[name] = word();
-        }
+            "ldots … dots … cdots … lfloor ⌊ rfloor ⌋ ell ℓ partial ∂ ");
+        for (std::string name, text; left >> name >> text;) out[name] = text;
         return out;
     }();
     return list;
@@ -62,7 +55,7 @@ class Reader {
             if (name == size) return "";
         if (name == "\n") return " ";
         auto const found = words().find(name);
-        return found == words().end() ? std::string(name) : std::string(found->second);
+        return found == words().end() ? std::string(name) : found->second;
     }
     /// A group without its braces, or one symbol.
     std::string argument() {
