@@ -38,14 +38,13 @@ sections = [
                                     ("variants/fast/qr_lattice.hpp", "QrLattice")]),
     ("Many filters, many rows", [("src/rlslab/many/fleet.hpp", "Fleet"),
                                  ("src/rlslab/many/fleet_steps.hpp", "FleetSteps FleetCounts"),
-                                 ("src/rlslab/many/complex_fleet.hpp", "ComplexFleet"),
+                                 ("src/rlslab/many/output_fleet.hpp", "OutputFleet"),
                                  ("src/rlslab/many/rolled.hpp", "RollingOptions RollingRows Rolled"),
                                  ("src/rlslab/many/fold_all.hpp", "RowsInMemory"),
                                  ("src/rlslab/input/row_file.hpp", "RowFile")]),
     ("By name", [("src/catalogue/native/filter.hpp", "Options Step Filter Fleet Counts Certificate Removal "
                   "Excitation"),
-                 ("src/catalogue/native/outputs.hpp", "Outputs"),
-                 ("src/catalogue/native/complex.hpp", "ComplexFleet")]),
+                 ("src/catalogue/native/outputs.hpp", "Outputs")]),
     ("A study of your own", [("src/lab/engine/study.hpp", "Study Factor Trial TrialOutput Plot Guide Claim Basis Kind "
                               "Verdict Judgement ()"), ("src/lab/engine/table.hpp", "Table ()"),
                              ("src/lab/engine/judgements.hpp", "Estimate ()"),

@@ -89,7 +89,8 @@ native::Options Request::read() const {
     if (o.control_count > 0 && !o.control_numbers) throw std::invalid_argument("control_count > 0 of no numbers");
     if (o.control_count > 64) throw std::invalid_argument("more control_numbers than any rule has");
     std::size_t const triangles = product(product(o.size, o.size, "size"), filters, "filters"),
-                      thetas = product(o.size, outputs, "outputs"), kept = std::max(o.window, o.rebuild_rows);
+                      thetas = product(product(o.size, outputs, "outputs"), filters, "filters"),
+                      kept = std::max(o.window, o.rebuild_rows);
     product(kept, o.size + 1, "window or rebuild_rows");
     product(o.noise_memory, 1, "noise_memory");
     try_to_allocate(triangles / 2 * sizeof(float));

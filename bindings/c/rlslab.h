@@ -187,16 +187,28 @@ typedef struct rlslab_fleet rlslab_fleet;
 rlslab_status rlslab_fleet_new(char const* variant, char const* arithmetic, size_t filters,
                                rlslab_options const* options, rlslab_fleet** out);
 rlslab_status rlslab_fleet_copy(rlslab_fleet const* fleet, rlslab_fleet** out);
+// The same of m outputs each, with one P for all: plain variants that report P.
+rlslab_status rlslab_fleet_new_outputs(char const* variant, char const* arithmetic, size_t filters, size_t outputs,
+                                       rlslab_options const* options, rlslab_fleet** out);
 void rlslab_fleet_free(rlslab_fleet* fleet);             // or null
 size_t rlslab_fleet_size(rlslab_fleet const* fleet);     // d; 0 of null
 size_t rlslab_fleet_filters(rlslab_fleet const* fleet);  // M; 0 of null
-// psi: M rows of d numbers; y: M numbers. A row with a number that is not finite is missing: its filter stays as it
+size_t rlslab_fleet_outputs(rlslab_fleet const* fleet);  // m; 0 of null
+// psi: M rows of d numbers; y: M rows of m. A row with a number that is not finite is missing: its filter stays as it
 // was. missing: how many were, or null.
 rlslab_status rlslab_fleet_update(rlslab_fleet* fleet, double const* psi, double const* y, size_t* missing);
 rlslab_status rlslab_fleet_update_f32(rlslab_fleet* fleet, float const* psi, float const* y, size_t* missing);
-// Of filter m < M: d numbers; the worst health of its rows, of a guarded filter that of the last usable row, -1 where
-// there is no such filter; as it was made.
+// Rows for each filter, the oldest first, without gaps: psi is rows x M x d, y and steps are rows x M x m, weights rows
+// x M, as of rlslab_update_weighted, or null: all 1. steps, missing: or null. 0 rows: the pointers may be null.
+rlslab_status rlslab_fleet_update_many(rlslab_fleet* fleet, double const* psi, double const* y, double const* weights,
+                                       size_t rows, rlslab_step* steps, size_t* missing);
+rlslab_status rlslab_fleet_update_many_f32(rlslab_fleet* fleet, float const* psi, float const* y, float const* weights,
+                                           size_t rows, rlslab_step* steps, size_t* missing);
+// Of filter m < M: d x m numbers, by rows; P, or P^-1, of the other ABILITY; the worst health of its rows, of a guarded
+// filter that of the last usable row, -1 where there is no such filter; as it was made.
 rlslab_status rlslab_fleet_theta(rlslab_fleet const* fleet, size_t m, double* out);
+rlslab_status rlslab_fleet_covariance(rlslab_fleet const* fleet, size_t m, double* out);
+rlslab_status rlslab_fleet_information(rlslab_fleet const* fleet, size_t m, double* out);
 int32_t rlslab_fleet_health(rlslab_fleet const* fleet, size_t m);
 rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, size_t m);
 size_t rlslab_fleet_state_size(rlslab_fleet const* fleet);  // bytes, 0 of null
@@ -268,6 +280,13 @@ rlslab_status rlslab_complex_update(rlslab_complex* filter, double const* psi, d
                                     rlslab_complex_steps const* steps, size_t* missing);
 rlslab_status rlslab_complex_update_f32(rlslab_complex* filter, float const* psi, float const* y, size_t rows,
                                         rlslab_complex_steps const* steps, size_t* missing);
+// The same with rows x M weights, as of rlslab_update_weighted, or null.
+rlslab_status rlslab_complex_update_weighted(rlslab_complex* filter, double const* psi, double const* y,
+                                             double const* weights, size_t rows, rlslab_complex_steps const* steps,
+                                             size_t* missing);
+rlslab_status rlslab_complex_update_weighted_f32(rlslab_complex* filter, float const* psi, float const* y,
+                                                 float const* weights, size_t rows, rlslab_complex_steps const* steps,
+                                                 size_t* missing);
 rlslab_status rlslab_complex_theta(rlslab_complex const* filter, double* out);  // M x d x m complex numbers
 // P, or P^-1, of filter i, d x d complex numbers by columns; of the other ABILITY.
 rlslab_status rlslab_complex_covariance(rlslab_complex const* filter, size_t i, double* out);

@@ -128,7 +128,6 @@ PyObject* PyInit__core() {
     for (Type const type : {Type{"Filter", filter_type},
                             {"Fleet", fleet_type},
                             {"Outputs", outputs_type},
-                            {"Complex", complex_type},
                             {"Step", step_type},
                             {"Counts", counts_type}}) {
         PyObject* const made = type.make();  // kept for ever: one reference is the extension's

@@ -241,7 +241,6 @@ PyObject* merged(PyObject* self, PyObject* newer, PyTypeObject* type, char const
 PyObject* filter_type();
 PyObject* fleet_type();
 PyObject* outputs_type();
-PyObject* complex_type();
 PyObject* step_type();
 PyObject* counts_type();
 /// (X, y, groups or None, window, forgetting, min_periods, arrays or None in the order of rlslab::Rolled).

@@ -7,6 +7,7 @@
 //   digest composed DIR saves states of compositions after 100 rows; theta after 200
 //   digest outputs      20 rows and 600 more at once of three outputs: theta by rows, and the state
 //   digest complex      60 rows of eleven complex filters: theta, and the state
+//   digest fleets       60 weighted rows of eleven filters of two outputs, likewise
 //   digest asked        100 rows of the weights (k mod 5) / 2, a removal, psi'P psi, draws, the least excited direction
 //   digest all          300 rows, more arithmetics and sizes: every step and report, and the state; and what is asked
 //
@@ -26,7 +27,7 @@
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/core/rounding.hpp>
-#include <rlslab/many/complex_fleet.hpp>
+#include <rlslab/many/output_fleet.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -149,28 +150,37 @@ void several_outputs() {
     hash.print(name_of_type<F>());
 }
 
-/// Two outputs, where P is reported: else one.
+/// Two outputs, where P is reported: else one. Real ones with weights.
 template <class F>
-void complex_filters() {
-    using Fleet = ComplexFleet<F>;
-    using C = typename Fleet::number;
+void output_fleet() {
+    using Fleet = OutputFleet<F>;
+    using N = typename Fleet::number;
+    using T = typename Fleet::real;
     Index const M = 11, m = ReportsCovariance<F> ? 2 : 1;
-    Fleet fleet(M, {.size = d, .forgetting = typename Fleet::real(0.9921875)}, m);
+    Fleet fleet(M, {.size = d, .forgetting = T(0.9921875)}, m);
     Numbers numbers;
-    std::vector<C> psi(size_t(M * d)), y(size_t(M * m));
-    auto const draw = [&](std::vector<C>& to) {
-        for (C& x : to) x.re = typename Fleet::real(numbers.next()), x.im = typename Fleet::real(numbers.next());
+    std::vector<N> psi(size_t(M * d)), y(size_t(M * m));
+    std::vector<T> w(static_cast<size_t>(M));
+    auto const draw = [&](std::vector<N>& to) {
+        for (N& x : to) {
+            if constexpr (ComplexScalar<N>) x.re = T(numbers.next()), x.im = T(numbers.next());
+            else x = T(numbers.next());
+        }
     };
-    for (int k = 0; k < 60; ++k) draw(psi), draw(y), fleet.update(psi.data(), y.data());
+    for (int k = 0; k < 60; ++k) {
+        draw(psi), draw(y);
+        for (int i = 0; i < M; ++i) w[size_t(i)] = T((k + i) % 5) / 2;
+        fleet.update(psi.data(), y.data(), ComplexScalar<N> ? nullptr : w.data(), nullptr);
+    }
     Hash hash;
     for (Index i = 0; i < M; ++i)
-        for (Index k = 0; k < d; ++k)
-            for (Index j = 0; j < m; ++j) {
-                C const x = fleet.theta(i, k, j);
-                hash.add(double(x.re)), hash.add(double(x.im));
-            }
+        for (N const& x : Matrix<N>(fleet.theta(i).transpose()).reshaped()) {
+            hash.add(double(real_part(x)));
+            if constexpr (ComplexScalar<N>) hash.add(double(x.im));
+        }
     for (std::byte const byte : state_of(fleet)) hash.add(byte);
-    hash.print(std::string(F::name) + " complex " + std::string(ArithmeticTraits<typename Fleet::real>::name));
+    hash.print(std::string(F::name) + (ComplexScalar<N> ? " complex " : " fleet ") +
+               std::string(ArithmeticTraits<T>::name));
 }
 /// What a filter does not answer is not in the hash.
 template <class F>
@@ -295,7 +305,7 @@ int main(int count, char** arguments) {
         asked_in<float>();
         asked_in<double>();
         lanes();
-        complex_filters<Ud<Complex<Pack<float, 8>>>>(), complex_filters<Gentleman<Complex<Pack<double, 8>>>>();
+        output_fleet<Ud<Complex<Pack<float, 8>>>>(), output_fleet<Gentleman<Complex<Pack<double, 8>>>>();
         PrecisionScope const precision(12);
         everything<Ud<VariablePrecision>>(5);
     } else if (verb == "composed") {
@@ -306,12 +316,18 @@ int main(int count, char** arguments) {
             Guarded<Forgetting<Carlson<double>, Kulhavy<double>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
             folder, "ruled");
         composed(Forgetting<Qr<double>, Fortescue<double>>(p, {.noise_variance = 1e-6}), folder, "fortescue");
-    } else if (verb == "complex") {
+    } else if (verb == "complex" || verb == "fleets") {
         auto const left_by = []<class F>() {
-            if constexpr (ComplexInLockstep<F>) complex_filters<F>();
+            if constexpr (InLockstep<F> && (ComplexScalar<typename F::scalar> || ReportsCovariance<F>))
+                output_fleet<F>();
         };
-        for_each(Variants<Complex<Pack<float, 8>>>{}, left_by);
-        for_each(Variants<Complex<Pack<double, 8>>>{}, left_by);
+        if (verb == "complex") {
+            for_each(Variants<Complex<Pack<float, 8>>>{}, left_by);
+            for_each(Variants<Complex<Pack<double, 8>>>{}, left_by);
+        } else {
+            for_each(Variants<Pack<float, 8>>{}, left_by);
+            for_each(Variants<Pack<double, 8>>{}, left_by);
+        }
     } else if (verb == "asked") {
         asked_in<float>();
         asked_in<double>();

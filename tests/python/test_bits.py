@@ -1,6 +1,5 @@
 """The bits of C++: theta, K and P after 1000 rows, by every variant in both arithmetics; weights, removals, variances
-and draws; of several outputs and of complex numbers theta and the
-state."""
+and draws; of several outputs, fleets and complex numbers theta and the state."""
 
 import os
 import struct
@@ -102,21 +101,27 @@ def test_several_outputs_are_those_of_cpp():
     assert len(set(ours.split()[2::3])) == 32
 
 
-def test_complex_filters_are_those_of_cpp():
+@pytest.mark.parametrize("verb", ["complex", "fleets"])
+def test_fleets_are_those_of_cpp(verb):
+    """Of complex numbers; of real ones of two outputs, with weights."""
     ours = ""
-    for dtype, name in (("complex64", "float"), ("complex128", "double")):
+    is_complex = verb == "complex"
+    for name, real, number_type in (("float", "f4", "c8"), ("double", "f8", "c16")):
+        dtype = number_type if is_complex else real
         for variant in rlslab.variants():
-            if variant == "qr_block":
+            several = variant != "qr_block" and hasattr(rlslab.Fleet(variant, 1, 2, dtype=dtype), "covariance")
+            if variant == "qr_block" or not (is_complex or several):
                 continue
-            several = rlslab.Fleet(variant, 1, 2, dtype=dtype)._reports_covariance
             m = 2 if several else 1
             f = rlslab.Fleet(variant, 11, 5, outputs=m, forgetting=0.9921875, dtype=dtype)
             number = numbers()
-            table = np.array([[next(number) for _ in range(22 * (5 + m))] for _ in range(60)]).view(complex)
+            table = np.array([[next(number) for _ in range((11 + 11 * is_complex) * (5 + m))] for _ in range(60)])
+            table = table.view("c16" if is_complex else "f8")
             Psi, Y = table[:, :55].reshape(60, 11, 5), table[:, 55:].reshape(60, 11, m)
-            f.update(Psi[0], Y[0])
-            f.update_many(Psi[1:].astype(dtype), Y[1:].astype(dtype))
-            theta = f.theta.astype(complex).ravel().view(float).tolist()
-            ours += f"{variant} complex {name} {hash_of(theta, f.state)}\n"
-    assert ours == printed_by_cpp("complex")
-    assert len(set(ours.split()[3::4])) >= 32    # kalman's and conventional's may agree
+            w = np.ones((60, 11)) if is_complex else (np.arange(60)[:, None] + np.arange(11)) % 5 / 2
+            f.update(Psi[0], Y[0], weights=w[0])
+            f.update_many(Psi[1:].astype(dtype), Y[1:].astype(dtype), weights=w[1:].astype(real))
+            theta = f.theta.ravel().view(real).tolist()
+            ours += f"{variant} {verb.removesuffix('s')} {name} {hash_of(theta, f.state)}\n"
+    assert ours == printed_by_cpp(verb)
+    assert len(set(ours.split()[3::4])) >= (32 if is_complex else 22)    # kalman's and conventional's may agree

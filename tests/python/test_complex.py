@@ -47,6 +47,23 @@ def test_a_fleet_is_its_filters_and_a_missing_row_none():
         assert (alone.theta == fleet.theta[i]).all() and (alone.covariance == fleet.covariance[i]).all()
 
 
+def test_weights_are_rows_of_their_roots():
+    rng = np.random.default_rng(7)
+    Psi, Y, w = drawn(rng, 30, 3, 2), drawn(rng, 30, 3), rng.integers(0, 4, (30, 3)) ** 2 / 1.0
+    w[9, 1], w[10, 2] = -1, np.nan
+    f, ones, none, roots = (rlslab.Fleet("ud", 3, 2, dtype="complex128", forgetting=0.98) for _ in range(4))
+    steps = f.update_many(Psi, Y, weights=w)
+    with np.errstate(invalid="ignore"):
+        r = np.sqrt(w)
+        expected = roots.update_many(r[..., None] * Psi, r * Y)
+        assert np.array_equal(steps.innovation, expected.innovation / r, equal_nan=True)
+    assert f.state == roots.state and (np.argwhere(steps.health) == [[9, 1], [10, 2]]).all()
+    assert np.array_equal(np.isnan(steps.residual), np.isnan(w) | (w <= 0)) and (w == 0).any()
+    ones.update_many(Psi, Y, weights=np.ones((30, 3), np.float32))
+    none.update_many(Psi, Y)
+    assert ones.state == none.state
+
+
 def test_states_copies_and_pickles_go_on():
     rng = np.random.default_rng(5)
     f = rlslab.Gentleman(2, dtype="complex64", forgetting=0.9, prior_variance=None)
@@ -95,7 +112,8 @@ def test_layouts_and_kinds_are_taken_as_they_mean():
         (lambda f: rlslab.Ud(3, dtype="complex256"), ValueError, "complex128, complex64"),
         (lambda f: rlslab.Fleet("ud", 0, 3, dtype="complex64"), ValueError, "filters >= 1"),
         (lambda f: rlslab.Fleet("ud", 2, 3, dtype="complex64", device="cuda"), ValueError, "on the CPU"),
-        (lambda f: rlslab.Fleet("ud", 2, 3, outputs=2), ValueError, "complex numbers"),
+        (lambda f: f.update([1, 2, 3], 1, weights=[1]), ValueError, "weights has shape (1,), expected ()"),
+        (lambda f: f.update([1, 2, 3], 1, weights=1j), TypeError, "weights holds complex128, not real numbers"),
         (lambda f: rlslab.Fleet("ud", 10**9, 1000, dtype="complex64"), MemoryError, "GB"),
     ],
 )

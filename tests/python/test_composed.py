@@ -204,6 +204,40 @@ def test_steps_paths_and_matrices_of_a_fleet_are_its_filters(variant, dtype):
     assert fleet.state == state
 
 
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("options", [{}, {"prior_theta": [1, 2, 3], "prior_covariance": np.eye(3) + 1}])
+def test_outputs_of_a_fleet_are_filters_with_weights(dtype, options):
+    """Each output of each filter has the bits of a filter of its own."""
+    rng = np.random.default_rng(9)
+    Psi, Y, w = rng.standard_normal((40, 5, 3)), rng.standard_normal((40, 5, 2)), rng.integers(0, 4, (40, 5)) / 2
+    Y[7, 4, 1], Psi[9, 2, 0], w[11, 1], w[12, 3] = np.nan, np.inf, -1, np.nan
+    w[7, 4] = w[9, 2] = 1
+    Psi[w == 0] = np.nan    # time passes, whatever the row is
+    fleet = rlslab.Fleet("ud", 5, 3, outputs=2, forgetting=0.98, dtype=dtype, **options)
+    plain, again = rlslab.Fleet("ud", 5, 3, forgetting=0.98, dtype=dtype, **options), fleet.copy()
+    steps, path = fleet.update_many(Psi, Y, weights=w, steps=True, theta=True)
+    assert again.update_many(Psi[:39], Y[:39], weights=w[:39]) == 4
+    assert steps.shape == (40, 5, 2) and path.shape == (40, 5, 3, 2) and fleet.outputs == 2 and fleet.dtype == dtype
+    last = again.update(Psi[39], Y[39], weights=w[39], steps=True)
+    assert last.tobytes() == steps[39].tobytes() and again.state == fleet.state and repr(again) == repr(fleet)
+    hold = np.where(np.isfinite(Y).all(2), Y[..., 0], np.nan)    # a missing output is all of its filter's
+    ours = plain.update_many(Psi, hold, weights=w, steps=True)
+    assert ours.tobytes() == np.ascontiguousarray(steps[..., 0]).tobytes()
+    for i, j in np.ndindex(5, 2):
+        alone = rlslab.Ud(3, forgetting=0.98, dtype=dtype, **options)
+        for k in range(40):
+            if (k, i) not in ((7, 4), (9, 2)):
+                step = alone.update(Psi[k, i], Y[k, i, j], w[k, i])
+                assert np.array_equal(list(step[:3]), list(steps[k, i, j])[:3], equal_nan=True)
+                assert step.health == rlslab.HEALTHS[steps[k, i, j]["health"]]
+            assert (alone.theta == path[k, i, :, j]).all()
+        assert (alone.covariance == fleet.covariance[i]).all()
+    other = pickle.loads(pickle.dumps(fleet))
+    other.reset(1)
+    assert (other.theta[1] == rlslab.Fleet("ud", 1, 3, outputs=2, dtype=dtype, **options).theta[0]).all()
+    assert (other.theta[2] == fleet.theta[2]).all() and pickle.loads(pickle.dumps(fleet)).state == fleet.state
+
+
 def test_fleets_that_are_refused():
     fleet = rlslab.Fleet("ud", 4, 3)
     before = fleet.state
@@ -211,6 +245,9 @@ def test_fleets_that_are_refused():
                    (np.zeros((4, 3)), np.zeros(3)), (None, None), (np.zeros((4, 3), object), np.zeros(4))]:
         with pytest.raises((ValueError, TypeError)):
             fleet.update(Psi, y)
+    for weights in (1, np.ones(3), np.ones((4, 1)), "abcd", np.ones(4) * 1j):
+        with pytest.raises((ValueError, TypeError), match="weights"):
+            fleet.update(np.zeros((4, 3)), np.zeros(4), weights=weights)
     for m in (4, -1, 10**9):
         with pytest.raises(IndexError):
             fleet.reset(m)
@@ -260,6 +297,12 @@ def test_a_composed_fleet_is_its_filters(options):
 def test_what_no_fleet_can_be_is_refused():
     with pytest.raises(ValueError, match="takes rows back"):
         rlslab.Fleet("conventional", 2, 3, guard="rebuild", window=5, control="kulhavy")
+    for variant, options, word in (("qr", {}, "one output"), ("ud", {"guard": "reset"}, "plain variant")):
+        with pytest.raises(ValueError, match=word):
+            rlslab.Fleet(variant, 2, 3, outputs=2, **options)
+    for outputs in (0, -1, 10**12):
+        with pytest.raises((ValueError, MemoryError)):
+            rlslab.Fleet("ud", 2, 3, outputs=outputs)
     with pytest.raises(ValueError, match="real numbers"):
         rlslab.Fleet("ud", 2, 3, guard="reset", dtype="complex64")
     with pytest.raises(ValueError, match="filters >= 1"):

@@ -20,7 +20,7 @@ Bad rows, changes, silence: `guard="reset"`, `window=200`, `control=...` of `rls
 Several at once:
 
     rlslab.QrBlock(4, outputs=3)                  # y of 3 numbers; f.update_many(X, Y), f.theta (4, 3)
-    rlslab.Fleet("ud", 1000, 4)                   # a thousand filters; guard=, window=; device="cuda"
+    rlslab.Fleet("ud", 1000, 4)                   # a thousand filters; guard=, outputs=; device="cuda"
     rlslab.Fleet("ud", 257, 20, dtype="complex64", outputs=2)    # complex numbers: the bins of a spectrum
 
 Regressions and models:

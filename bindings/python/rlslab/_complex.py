@@ -7,10 +7,16 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from . import _core, _options, _rows
-from ._stateful import Stateful, in_pythons_words
+from . import _options
+from ._stateful import in_pythons_words
+from .fleet import Filters
 
 Self = TypeVar("Self", bound="Complex")
+
+
+STEP = np.dtype([
+    ("innovation", "c16"), ("residual", "c16"), ("gamma", "f8"), ("health", "i4"), ("signal", "i4"),
+])    # fmt: skip
 
 
 class ComplexSteps(NamedTuple):
@@ -22,7 +28,7 @@ class ComplexSteps(NamedTuple):
     health: NDArray[np.int32]
 
 
-class Complex(Stateful, _core.Complex):
+class Complex(Filters):
     """Recursive least squares of complex numbers, alone or M filters in lockstep, of one output or m.
 
     ``rlslab.Ud(d, dtype="complex64")`` makes one filter, ``rlslab.Fleet("ud", M, d, dtype="complex64")`` a fleet;
@@ -58,7 +64,7 @@ class Complex(Stateful, _core.Complex):
     array([1.+2.j, 3.-1.j])
     """
 
-    __slots__ = ("_made",)
+    __slots__ = ()
 
     def __new__(
         cls: type[Self],
@@ -80,7 +86,7 @@ class Complex(Stateful, _core.Complex):
         arguments = _options.arguments(variant, size, forgetting, prior_variance, None, None, real, filters=M)
         _options.expect_memory(2 * M * arguments[2] * (arguments[2] + m))
         try:
-            self = super().__new__(cls, arguments, m)
+            self = super().__new__(cls, arguments, m, True)
         except ValueError as error:
             raise in_pythons_words(error) from None
         self._made = {
@@ -94,48 +100,19 @@ class Complex(Stateful, _core.Complex):
         }
         return self
 
-    @property
-    def filters(self) -> int | None:
-        """The number of filters M; None of one filter, whose arrays have no axis for it."""
-        return self._made["filters"]  # type: ignore[no-any-return]
+    def _taken(
+        self, many: bool, psi: ArrayLike, y: ArrayLike, weights: ArrayLike | None, name: str
+    ) -> ComplexSteps:
+        given = self._given(many, psi, y, weights, name)
+        table = np.empty(given[1].shape, STEP)
+        self._take(len(given[0]) if many else 1, given, table)
+        gamma, health = table["gamma"], table["health"]
+        if self.outputs is not None:
+            gamma, health = gamma[..., 0], health.max(axis=-1)
+        innovation, residual = (table[name].astype(self.dtype) for name in ("innovation", "residual"))
+        return ComplexSteps(innovation, residual, gamma.astype(innovation.real.dtype), health.astype(np.int32))
 
-    @property
-    def outputs(self) -> int | None:
-        """The number of outputs m; None of one output, whose arrays have no axis for it."""
-        return self._made["outputs"]  # type: ignore[no-any-return]
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """The arithmetic: complex128 or complex64."""
-        return np.dtype(self._made["dtype"])
-
-    def _axes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """The axis of filters and that of outputs, or none."""
-        M, m = self.filters, self.outputs
-        return () if M is None else (M,), () if m is None else (m,)
-
-    def _taken(self, many: bool, psi: ArrayLike, y: ArrayLike, name: str) -> ComplexSteps:
-        lead, tail = self._axes()
-        P, v = numbers(psi, name), numbers(y, "y")
-        rows = (P.shape[:1] or (0,)) if many else ()
-        for array, called, shape in ((P, name, (*lead, self.size)), (v, "y", lead + tail)):
-            if array.shape != rows + shape:
-                wanted = str(("n", *shape) if rows else shape).replace("'n'", "n")
-                raise ValueError(f"{called} has shape {array.shape}, expected {wanted}")
-        if not P.dtype == v.dtype == self.dtype == np.complex64:
-            P, v = P.astype(np.complex128, copy=False), v.astype(np.complex128, copy=False)
-        real = P.real.dtype
-        innovation, residual = (np.empty(v.shape, np.complex128) for _ in range(2))
-        gamma, health = np.empty(rows + lead), np.empty(rows + lead, np.int32)
-        pairs = [np.require(x, requirements=["C", "A"]).reshape(-1).view(real) for x in (P, v)]
-        self._update(rows[0] if rows else 1, *pairs, innovation, residual, gamma, health)
-        kind = self.dtype
-        return ComplexSteps(
-            innovation.astype(kind, copy=False), residual.astype(kind, copy=False),
-            gamma.astype(np.empty(0, kind).real.dtype, copy=False), health,
-        )  # fmt: skip
-
-    def update(self, psi: ArrayLike, y: ArrayLike) -> ComplexSteps:
+    def update(self, psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None) -> ComplexSteps:
         """Process one row of each filter.
 
         Parameters
@@ -144,6 +121,8 @@ class Complex(Stateful, _core.Complex):
         y : array_like, shape (), (m,), (M,) or (M, m)
             A row with a number that is not finite is missing: its filter stays as it was. So a bin is held through
             silence: give NaN.
+        weights : array_like, shape (), of a fleet (M,), optional
+            As of `rlslab.Filter.update`, a real number for each filter's row.
 
         Returns
         -------
@@ -157,57 +136,19 @@ class Complex(Stateful, _core.Complex):
         >>> f.update(np.ones((3, 2)), 1j * np.ones((3, 2))).innovation.shape
         (3, 2)
         """
-        return self._taken(False, psi, y, "psi")
+        return self._taken(False, psi, y, weights, "psi")
 
-    def update_many(self, Psi: ArrayLike, y: ArrayLike) -> ComplexSteps:
+    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, weights: ArrayLike | None = None) -> ComplexSteps:
         """Process many rows, the oldest first: `update` with an axis of rows in front of each array.
 
         The interpreter's lock is released meanwhile. ValueError for other shapes, before any row is taken.
         """
-        return self._taken(True, Psi, y, "Psi")
-
-    @property
-    def theta(self) -> NDArray[np.complexfloating[Any, Any]]:
-        """The estimated parameters, a copy: shape (d,), of a fleet (M, d), with a last axis of m outputs."""
-        lead, tail = self._axes()
-        out = np.empty((*lead, self.size, *tail), np.complex128)
-        self._theta(out.view(np.float64))
-        return out.astype(self.dtype, copy=False)
-
-    def _square(self, covariance: bool) -> NDArray[np.complexfloating[Any, Any]]:
-        name, other = ("covariance", "information") if covariance else ("information", "covariance")
-        if covariance != self._reports_covariance:
-            raise AttributeError(f"{self.variant} reports {other}, not {name}", name=name, obj=self)
-        by_columns = np.empty((*self._axes()[0], self.size, self.size), np.complex128)
-        self._matrix(by_columns.view(np.float64))
-        return np.ascontiguousarray(by_columns.swapaxes(-1, -2), dtype=self.dtype)
-
-    @property
-    def covariance(self) -> NDArray[np.complexfloating[Any, Any]]:
-        """P, shape (d, d), of a fleet (M, d, d), a copy. AttributeError for a variant that holds P^-1."""
-        return self._square(True)
-
-    @property
-    def information(self) -> NDArray[np.complexfloating[Any, Any]]:
-        """P^-1, shape (d, d), of a fleet (M, d, d), a copy. AttributeError for a variant that holds P."""
-        return self._square(False)
-
-    @property
-    def health(self) -> NDArray[np.int32]:
-        """A place in `rlslab.HEALTHS`, of a fleet shape (M,): undetermined until theta is, then the worst so far."""
-        out = np.empty(self._axes()[0])
-        self._health(out.reshape(-1))
-        return out.astype(np.int32)
+        return self._taken(True, Psi, y, weights, "Psi")
 
     def reset(self) -> None:
         """Make it as it was made."""
-        self._reset()
+        for i in range(self.filters or 1):
+            self._reset(i)
 
     def __repr__(self) -> str:
         return f"Complex({', '.join(f'{k}={v!r}' for k, v in self._made.items() if v is not None)})"
-
-
-def numbers(given: ArrayLike, name: str) -> NDArray[Any]:
-    """complex64 or complex128; what is real as complex128."""
-    array = _rows.numbers(given, name, "fiubc")
-    return array if array.dtype.kind == "c" else array.astype(np.complex128)

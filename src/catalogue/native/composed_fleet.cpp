@@ -3,6 +3,8 @@
 #include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
+#include <rlslab/adapt/weighted.hpp>
+
 namespace rlslab::native {
 namespace {
 
@@ -26,40 +28,48 @@ class ComposedFleet final : public Fleet {
     StateVector<T> row_;
 
     Health first() const { return prior_ ? Health::sound : Health::undetermined; }
+    /// Whether filter m's row was there.
+    template <class X>
+    bool take(Index m, X const* psi, X y, X const* w, native::Step* told) {
+        constexpr double none = std::numeric_limits<double>::quiet_NaN();
+        T const output = T(y), weight = w ? T(*w) : T(1);
+        for (Index i = 0; i < size(); ++i) row_[i] = T(psi[i]);
+        bool const whole = (all_finite(row_) && is_finite(output)) || weight == T(0);
+        if (told) *told = {none, none, none, std::int32_t(Health::nonfinite), 0};
+        if (!whole || !(T(0) <= weight) || !is_finite(weight)) return false;
+        AnyAdaptive<T>& filter = f_.each[std::size_t(m)];
+        Regressor<T> const row(row_.data(), size());
+        T by(1);
+        auto const step = w ? detail::weighted_row(filter, row_, by, row, output, weight) : filter.update(row, output);
+        Health& mine = f_.health[std::size_t(m)];
+        if (!signals_) mine = mine == Health::undetermined ? step.health : worse(mine, step.health);
+        else if (filter.signal() != GuardSignal::unusable) mine = step.health;
+        if (told)
+            *told = {double(step.innovation), double(step.residual), double(step.gamma), std::int32_t(step.health),
+                     signals_ ? std::int32_t(filter.signal()) : 0};
+        return true;
+    }
 
 public:
     ComposedFleet(Index filters, AnyAdaptive<T> const& fresh, bool prior)
-        : Fleet(fresh.theta().size(), filters, fresh.variant_name(), ArithmeticTraits<T>::name),
+        : Fleet({fresh.theta().size(), filters, 1, false, fresh.variant_name(), ArithmeticTraits<T>::name}),
           f_{fresh, std::vector<AnyAdaptive<T>>(std::size_t(filters), fresh), {}},
           signals_(f_.fresh.abilities().signals), prior_(prior), row_(size()) {
         f_.health.assign(std::size_t(filters), first());
     }
 
-    Index update(Numbers psi, Numbers y, Step* steps) override {
-        constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    Index update(Rows const& rows) override {
+        auto const* const given = std::get_if<native::Step*>(&rows.steps);
+        native::Step* steps = given ? *given : nullptr;
+        bool const weighs = std::visit([](auto* w) { return w != nullptr; }, rows.weights);
         Index missing = 0;
         std::visit(
-            [&]<class X>(X const* rows) {
-                for (Index m = 0; m < filters(); ++m) {
-                    T const output = T(std::get<X const*>(y)[m]);
-                    for (Index i = 0; i < size(); ++i) row_[i] = T(rows[m * size() + i]);
-                    if (!all_finite(row_) || !is_finite(output)) {
-                        ++missing;
-                        if (steps) steps[m] = {none, none, none, std::int32_t(Health::nonfinite), 0};
-                        continue;
-                    }
-                    AnyAdaptive<T>& filter = f_.each[std::size_t(m)];
-                    auto const step = filter.update(Regressor<T>(row_.data(), size()), output);
-                    Health const now = step.health;
-                    Health& mine = f_.health[std::size_t(m)];
-                    if (!signals_) mine = mine == Health::undetermined ? now : worse(mine, now);
-                    else if (filter.signal() != GuardSignal::unusable) mine = now;
-                    if (steps)
-                        steps[m] = {double(step.innovation), double(step.residual), double(step.gamma),
-                                    std::int32_t(now), signals_ ? std::int32_t(filter.signal()) : 0};
-                }
+            [&]<class X>(X const* psi) {
+                X const *y = std::get<X const*>(rows.y), *w = weighs ? std::get<X const*>(rows.weights) : nullptr;
+                for (Index k = 0; k < rows.count * filters(); ++k, psi += size())
+                    missing += !take(k % filters(), psi, y[k], w ? w + k : nullptr, steps ? steps + k : nullptr);
             },
-            psi);
+            rows.psi);
         return missing;
     }
     std::int32_t health(Index filter, double* theta) const override {
@@ -71,7 +81,7 @@ public:
     bool matrix(Index filter, double* out) const override {
         AnyAdaptive<T> const& one = f_.each[std::size_t(filter)];
         auto const found = one.matrix();
-        for (Index i = 0; i < found.size(); ++i) out[i] = double(found.data()[i]);
+        for (Index i = 0; out && i < found.size(); ++i) out[i] = double(found.data()[i]);
         return one.matrix_is_covariance();
     }
     void reset(Index filter) override {

@@ -4,6 +4,7 @@
 
 #include <rlslab/core/cpp20.hpp>
 
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -188,44 +189,72 @@ std::span<std::string_view const> arithmetics();
 std::span<std::string_view const> guards();
 std::span<std::string_view const> controls();
 
-/// M filters of one variant and one problem, which take a row each at a time: in lockstep (rlslab::Fleet), or, where
-/// they are guarded, windowed, ruled or followed by probes, one after another.
+/// M filters of one variant and one problem, of m outputs each, of real or complex numbers (a number is then two, its
+/// real part first), which take a row each at a time: in lockstep (rlslab::Fleet; several outputs and complex numbers:
+/// rlslab::OutputFleet), or, where they are guarded, windowed, ruled or followed by probes, one after another.
 class Fleet {
-    Index size_, filters_;
-    std::string_view variant_, arithmetic_;
-
 protected:
-    Fleet(Index size, Index filters, std::string_view variant, std::string_view arithmetic)
-        : size_(size), filters_(filters), variant_(variant), arithmetic_(arithmetic) {}
+    struct Shape {
+        Index size, filters, outputs;
+        bool is_complex;
+        std::string_view variant, arithmetic;
+    };
+    explicit Fleet(Shape const& shape) : shape_(shape) {}
 
 public:
     virtual ~Fleet() = default;
-    Index size() const { return size_; }        ///< d
-    Index filters() const { return filters_; }  ///< M
-    std::string_view variant() const { return variant_; }
-    std::string_view arithmetic() const { return arithmetic_; }
+    Index size() const { return shape_.size; }                         ///< d
+    Index filters() const { return shape_.filters; }                   ///< M
+    Index outputs() const { return shape_.outputs; }                   ///< m
+    bool is_complex() const { return shape_.is_complex; }              ///< else real
+    std::string_view variant() const { return shape_.variant; }        ///< "ud"
+    std::string_view arithmetic() const { return shape_.arithmetic; }  ///< "float" or "double", of each part
     using Numbers = std::variant<double const*, float const*>;
-    /// A row for each filter: psi is M x d, filter m's row contiguous; y has M numbers. A row with a number that is not
-    /// finite is missing: its filter stays as it was. Returns how many were missing. Numbers of the other arithmetic
-    /// are rounded once; psi and y are of one. `steps`: room for M, or null; NaN and nonfinite where the
-    /// row was missing.
-    virtual Index update(Numbers psi, Numbers y, Step* steps = nullptr) = 0;
-    void theta(Index filter, double* out) const { health(filter, out); }
+    /// A Step of complex numbers.
+    struct ComplexStep {
+        std::complex<double> innovation, residual;
+        double gamma;
+        std::int32_t health, signal;
+    };
+    using Steps = std::variant<Step*, ComplexStep*>;
+    /// Rows for each filter, the oldest first, without gaps: psi is count x M x d, y count x M x m, weights count x M
+    /// real numbers, or null: all 1. Numbers of the other arithmetic are rounded once; all are of one. A row with a
+    /// number that is not finite, or sqrt(w) times which is not, is missing: its filter stays as it was. w as of
+    /// Filter::update. steps: room for count x M x m of the fleet's kind, or null; NaN and nonfinite where the row was
+    /// missing. Returns how many were missing.
+    struct Rows {
+        Index count;
+        Numbers psi, y, weights = static_cast<double const*>(nullptr);
+        Steps steps = static_cast<Step*>(nullptr);
+    };
+    virtual Index update(Rows const& rows) = 0;
+    /// One row for each.
+    Index update(Numbers psi, Numbers y, Step* steps = nullptr) {
+        return update({.count = 1, .psi = psi, .y = y, .steps = steps});
+    }
+    void theta(Index filter, double* out) const { health(filter, out); }  ///< d x m numbers, by rows
     /// undetermined, then the worst of its steps, of guarded filters the last step whose row was usable; and its theta
     /// where asked.
     virtual std::int32_t health(Index filter, double* theta = nullptr) const = 0;
-    /// P of a filter, or P^-1, d x d by columns as Filter's; which one of the two is answered.
+    /// P of a filter, or P^-1, d x d numbers by columns as Filter's, or null: which one of the two is answered.
     virtual bool matrix(Index filter, double* out) const = 0;
     virtual void reset(Index filter) = 0;
     std::size_t state_size() const { return save({}); }
     /// Returns state_size(); into an empty span it writes nothing.
     virtual std::size_t save(std::span<std::byte> to) const = 0;
+    /// Of the same variant, arithmetic, composition, size, and number of filters and outputs.
     virtual void load(std::span<std::byte const> from) = 0;
     virtual std::unique_ptr<Fleet> clone() const = 0;
+
+private:
+    Shape shape_;
 };
 
-/// As `make`; qr_block has no fleet but a composed one.
+/// As `make`; qr_block has no fleet but a composed one. Several outputs are of plain variants that report P.
 std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
-                                  Options const& options);
+                                  Options const& options, Index outputs = 1);
+/// The same of complex numbers: plain variants, theta0 = 0 and P0 = c^2 I. psi' is the conjugate transpose.
+std::unique_ptr<Fleet> make_complex(std::string_view variant, std::string_view arithmetic, Index filters, Index outputs,
+                                    Options const& options);
 
 }  // namespace rlslab::native

@@ -109,6 +109,19 @@ Problem<double> problem_of_plain(std::string_view variant, std::string_view arit
         refuse(std::string("expected ") + what + " of a plain variant: no guard, window, control or probes");
     return problem;
 }
+std::string no_fleet_of(std::string_view variant) {
+    return std::string(variant) + " counts the rows of all filters at once: there is no fleet of it";
+}
+std::unique_ptr<Fleet> output_fleet(std::string_view variant, std::string_view arithmetic, Index filters, Index outputs,
+                                    bool is_complex, Problem<double> const& problem) {
+    auto out = arithmetic == ArithmeticTraits<float>::name
+                   ? output_fleet_named<float>(variant, filters, outputs, is_complex, problem_in<float>(problem))
+                   : output_fleet_named<double>(variant, filters, outputs, is_complex, problem);
+    if (!out)
+        refuse(is_complex ? no_fleet_of(variant)
+                          : std::string(variant) + " reports no P: a fleet of it has one output");
+    return out;
+}
 /// What makes such filters.
 template <class T>
 std::function<AnyAdaptive<T>()> maker(std::string_view variant, Options const& options) {
@@ -175,7 +188,11 @@ std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmet
 }
 
 std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
-                                  Options const& options) {
+                                  Options const& options, Index outputs) {
+    if (outputs != 1) {
+        Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "a fleet of several outputs");
+        return output_fleet(variant, arithmetic, filters, outputs, false, problem);
+    }
     expect_one_of(variants(), variant, "variant");
     expect_one_of(arithmetics(), arithmetic, "arithmetic");
     Problem<double> const problem = problem_of(options);
@@ -185,8 +202,15 @@ std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view ari
                       : fleet_of<double>(filters, maker<double>(variant, options)(), prior);
     auto out = floats ? fleet_named<float>(variant, filters, problem_in<float>(problem))
                       : fleet_named<double>(variant, filters, problem);
-    if (!out) refuse(std::string(variant) + " counts the rows of all filters at once: there is no fleet of it");
+    if (!out) refuse(no_fleet_of(variant));
     return out;
+}
+std::unique_ptr<Fleet> make_complex(std::string_view variant, std::string_view arithmetic, Index filters, Index outputs,
+                                    Options const& options) {
+    expects(!options.prior_theta && !options.prior_covariance,
+            "complex filters that start with theta0 = 0, P0 = c^2 I");
+    Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "complex filters");
+    return output_fleet(variant, arithmetic, filters, outputs, true, problem);
 }
 std::unique_ptr<Outputs> make_outputs(std::string_view variant, std::string_view arithmetic, Index outputs,
                                       Options const& options) {
@@ -196,18 +220,6 @@ std::unique_ptr<Outputs> make_outputs(std::string_view variant, std::string_view
                    : outputs_named<double>(variant, outputs, problem);
     if (!out)
         refuse(std::string(variant) + " has one output; all other variants but kalman and extended_qr take several");
-    return out;
-}
-std::unique_ptr<ComplexFleet> make_complex(std::string_view variant, std::string_view arithmetic, Index filters,
-                                           Index outputs, Options const& options) {
-    expects(!options.prior_theta && !options.prior_covariance,
-            "complex filters that start with theta0 = 0, P0 = c^2 I");
-    Problem<double> const problem = problem_of_plain(variant, arithmetic, options, "complex filters");
-    auto out = arithmetic == ArithmeticTraits<float>::name
-                   ? complex_named<float>(variant, filters, outputs, problem_in<float>(problem))
-                   : complex_named<double>(variant, filters, outputs, problem);
-    if (!out)
-        refuse(std::string(variant) + " counts the rows of all filters at once: there is none of complex numbers");
     return out;
 }
 void use_threads(Index threads) { rlslab::use_threads(threads); }

@@ -1,7 +1,6 @@
 // What a filter and a fleet by name are made of, in one arithmetic.
 #pragma once
 
-#include <rlslab/catalogue/native/complex.hpp>
 #include <rlslab/catalogue/native/filter.hpp>
 #include <rlslab/catalogue/native/outputs.hpp>
 #include <rlslab/core/problem.hpp>
@@ -46,6 +45,7 @@ std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Prob
 template <class T>
 std::unique_ptr<Outputs> outputs_named(std::string_view variant, Index outputs, Problem<T> const&);
 template <class T>
-std::unique_ptr<ComplexFleet> complex_named(std::string_view variant, Index filters, Index outputs, Problem<T> const&);
+std::unique_ptr<Fleet> output_fleet_named(std::string_view variant, Index filters, Index outputs, bool is_complex,
+                                          Problem<T> const&);
 
 }  // namespace rlslab::native
