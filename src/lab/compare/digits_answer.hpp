@@ -75,7 +75,8 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
 std::string answer_text(DigitsAnswer const& answer, bool colour, size_t columns = 0);
 /// The answer as JSON: the section "digits" of a comparison.
 std::string answer_json(DigitsAnswer const& answer);
-/// The C++ file alone; "" where nothing keeps the digits, or in an arithmetic that is no type of the hardware.
-std::string code(DigitsAnswer const& answer);
+/// The file of code alone (answer.hpp); "" where nothing keeps the digits, or in an arithmetic that is no type of the
+/// hardware.
+std::string code(DigitsAnswer const& answer, std::string_view word = "cpp");
 
 }  // namespace rlslab::compare
