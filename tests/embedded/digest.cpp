@@ -10,7 +10,7 @@
 #include <board.h>
 
 namespace of_compare {
-#include "of_compare.txt"  // what `rlslab compare --example sales --arithmetic float --code board` prints
+#include <of_compare.txt>  // what `rlslab compare --example sales --arithmetic float --code board` prints
 }
 
 using namespace rlslab;
