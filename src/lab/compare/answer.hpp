@@ -27,8 +27,8 @@ std::vector<std::string_view> code_words();
 inline constexpr Index largest_on_a_board = 64;
 /// A file that makes it. Comments in it give the model and the order and signs of the regressors. It compiles as it
 /// stands. "" for another arithmetic. For
-///   board   C++ without a heap, guarded where the form can be: `take` a row, and `theta`, in units of the record. Of at
-///           most largest_on_a_board parameters, and no composition but a guard that keeps no rows
+///   board   C++ without a heap, guarded where the form can be: `take` and `theta`, in units of the record. Of at most
+///           largest_on_a_board parameters, and no composition but a guard that keeps no rows
 ///   c       C99 on rlslab.h: `new_filter`; with exponents also `take` and `theta`
 ///   cpp     C++ on the headers: `filter`
 ///   python  on the package: `f`
