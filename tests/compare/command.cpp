@@ -17,6 +17,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 class CompareCommand : public Program {
 protected:
@@ -243,6 +244,26 @@ TEST_F(CompareCommand, TakesMeansOff) {
     json const gap = compared("gap.csv --regressors u --output y --detrend");
     EXPECT_THAT(gap["code"].get<std::string>(), HasSubstr("(u less 3.6, y less 3.2)"));
     EXPECT_EQ(gap["data"]["skipped"], 2);
+}
+
+/// tests/embedded links what is printed here, and runs it.
+TEST_F(CompareCommand, PrintsTheFilterAloneForOneOfTheDoors) {
+    Outcome const board = shell("rlslab compare --example sales --arithmetic float --code board");
+    EXPECT_EQ(board.code, 0) << board.err;
+    EXPECT_EQ(board.out, read(root + "/tests/embedded/of_compare.txt"));
+    std::string const asked = "rlslab compare " + sales + " --variants ud --code ";
+    EXPECT_EQ(shell(asked + "cpp").out, compared(sales + " --variants ud")["code"]);
+    for (auto const& [options, begin] : {std::pair("--code c", "// C99"),
+                                         {"--code python", "import numpy"},
+                                         {"--code board --guard report", "// For a microcontroller"}})
+        EXPECT_THAT(shell("rlslab compare " + sales + " --variants ud " + options).out, StartsWith(begin));
+    // Warnings stand on standard error; where nothing is named there is no code.
+    EXPECT_THAT(shell("rlslab compare two.csv --input u --output y --na 1 --nb 0 --delay 1 --code c").err,
+                HasSubstr("--detrend"));
+    Outcome const none = shell("rlslab compare " + sales + " --arithmetic binary16 --code c");
+    EXPECT_EQ(none.code, 1);
+    EXPECT_EQ(none.out, "");
+    EXPECT_THAT(none.err, HasSubstr("no code: nothing is named in float or double"));
 }
 
 TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {

@@ -9,6 +9,10 @@
 #include <bit>
 #include <board.h>
 
+namespace of_compare {
+#include <of_compare.txt>  // what `rlslab compare --example sales --arithmetic float --code board` prints
+}
+
 using namespace rlslab;
 
 namespace {
@@ -134,9 +138,24 @@ void digest_of_guarded() {
     print_line("ud guarded 5 ", out.hash);
 }
 
+void digest_of_compared() {
+    constexpr int d = std::size(of_compare::scale);
+    Seed seed{5};
+    Digest out;
+    float row[d];
+    for (int k = 0; k < 100; ++k) {
+        for (int i = 0; i < d; ++i) row[i] = float(seed.bell()) / of_compare::scale[i];
+        out.add(of_compare::take(row, row[0] + float(seed.bell())).residual);
+    }
+    of_compare::theta(row);
+    for (float const x : row) out.add(x);
+    print_line("code of compare ", out.hash);
+}
+
 }  // namespace
 
 int main() {
+    digest_of_compared();
     digest_of_delayed();
     digest_of_guarded();
     for_each(Variants<float>{}, []<class F>() { Sizes<F>::all(); });

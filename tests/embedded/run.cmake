@@ -6,7 +6,7 @@ string(REPLACE "," ";" COMPILERS "${COMPILERS}")
 string(REPLACE "," ";" SYSTEM "${SYSTEM}")
 set(folder ${CMAKE_CURRENT_LIST_DIR})
 set(board ${SOURCE_DIR}/docs/examples/microcontroller/board)
-set(flags -std=c++20 -O1 -ffp-contract=off -fno-exceptions -fno-rtti -DNDEBUG -Wall -Wextra -Werror -I
+set(flags -std=c++20 -O1 -ffp-contract=off -fno-exceptions -fno-rtti -DNDEBUG -Wall -Wextra -Werror -I ${folder} -I
     ${SOURCE_DIR}/src -I ${board})
 foreach(path IN LISTS SYSTEM)
   list(APPEND flags -isystem ${path})

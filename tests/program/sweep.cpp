@@ -76,6 +76,30 @@ TEST_F(Program, SweepsARecordWithTheDigitsOfCompare) {
     EXPECT_THAT(read(folder / "sweep/report.html"), HasSubstr("sha256"));
     EXPECT_FALSE(fs::is_empty(folder / "sweep/figures"));
 }
+/// By a converter of this test, which fails the second time it is asked for one.
+TEST_F(Program, DrawsPdfBesideSvg) {
+    std::string const sweep =
+        "sweep ok.csv --input u --output y --order 1 --vary variant=ud --vary forgetting=0.98,0.99,1 ";
+    write("rsvg-convert", "#!/bin/bash\n[[ ! -e $4 && $5 == *.svg ]] && /bin/cp -- \"$5\" \"$4\"\n");
+    Outcome const drawn = shell("chmod +x rsvg-convert; PATH=$PWD; rlslab " + sweep + "--figures pdf --out a");
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    for (char const* name : {"sweep-1", "sweep-2"}) {
+        std::string const svg = read(folder / "a/figures" / (std::string(name) + ".svg"));
+        EXPECT_GT(svg.size(), 1000u);
+        EXPECT_EQ(svg, read(folder / "a/figures" / (std::string(name) + ".pdf")));
+    }
+    shell("rlslab " + sweep + "--out b");
+    EXPECT_EQ(read(folder / "a/report.html"), read(folder / "b/report.html"));
+    for (auto const& file : fs::directory_iterator(folder / "b/figures")) EXPECT_EQ(file.path().extension(), ".svg");
+    Outcome const again = shell("PATH=$PWD rlslab " + sweep + "--figures pdf --out a");
+    EXPECT_EQ(again.code, 2);
+    EXPECT_THAT(again.err, HasSubstr("rlslab: --figures pdf: a/figures/"));
+    refused(sweep + "--figures png --out c", "--figures svg pdf png");
+    Outcome const none = shell("mkdir empty; PATH=$PWD/empty; rlslab " + sweep + "--figures pdf --out c");
+    EXPECT_EQ(none.code, 2);
+    EXPECT_EQ(none.err, "rlslab: --figures: expected rsvg-convert in PATH, which makes them\n");
+    EXPECT_FALSE(fs::exists(folder / "c"));
+}
 TEST_F(Program, SweepsInPartsWithTheSameBytes) {
     std::string const sweep =
         "rlslab sweep ok.csv --input u --output y --vary order=1,2,3 --vary prior=scaled,1e4 "

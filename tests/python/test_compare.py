@@ -49,6 +49,26 @@ def test_the_numbers_are_those_of_the_program(tmp_path, options):
     assert json.dumps(rlslab.compare(X, y * 2, timings=False, **options).to_dict()) != text[0]
 
 
+@pytest.mark.parametrize("options", [{"variants": "ud"}, {"prior_variance": 1e6, "forgetting": 0.97}, {"digits": 3.0},
+                                     {"window": 30, "guard": "reset"}, {"control": ("kulhavy", 0.97, 0)}], ids=str)
+def test_the_code_for_python_makes_the_same_filter(tmp_path, options):
+    X, y = rows(120, 3)
+    written(tmp_path / "file.csv", X, y, "abc")
+    words = ["--regressors", "a,b,c", "--output", "out", "--code", "python"]
+    for name, value in options.items():
+        value = ":".join(map(str, value)) if isinstance(value, tuple) else str(value)
+        words.append(f"--{'p0' if name == 'prior_variance' else name}={value}")
+    done = subprocess.run(
+        [_program.path(), "compare", str(tmp_path / "file.csv"), *words], capture_output=True, text=True, check=True
+    )
+    made: dict = {}
+    exec(done.stdout, made)
+    assert "# out[k] = psi'theta,  psi = (a[k], b[k], c[k])\n" in done.stdout
+    f, g = made["f"], rlslab.compare(X, y, timings=False, **options).filter()
+    f.update_many(X, y), g.update_many(X, y)
+    assert f.state == g.state
+
+
 def test_the_records():
     X, y = rows(120, 3)
     c = rlslab.compare(X, y, timings=False, forgetting=0.98)

@@ -1,5 +1,6 @@
 """The estimator: scikit-learn's own checks, and what it computes."""
 
+import pickle
 import warnings
 from pathlib import Path
 
@@ -93,19 +94,48 @@ def test_a_column_beside_the_constant_is_an_error():
     assert np.allclose(RLSRegressor(fit_intercept=False).fit(dummies, y).coef_, [y[k::3].mean() for k in range(3)])
 
 
-@pytest.mark.parametrize("forgetting", [1, 0.99, 0.95])
-def test_an_interval_covers_what_it_says(forgetting):
+@pytest.mark.parametrize("forgetting, d, n", [(1, 6, 300), (0.99, 6, 300), (0.95, 6, 300), (1, 3, 15), (1, 3, 8),
+                                              (1, 3, 6), (0.95, 3, 12), (0.8, 3, 300)])    # fmt: skip
+def test_an_interval_covers_what_it_says(forgetting, d, n):
     """1000 models: a share outside of 3.3 binomial deviations has a probability of 0.001."""
-    g, covered, variances = np.random.default_rng(3), 0, []
+    g, inside, variances = np.random.default_rng(3), np.zeros(2), []
     for _ in range(1000):
-        X = g.standard_normal((301, 6))
-        y = X @ np.arange(6) + 3 + 0.5 * g.standard_normal(301)
-        model = RLSRegressor(forgetting=forgetting).fit(X[:300], y[:300])
-        mean, deviation = model.predict(X[300:], return_std=True)
-        covered += abs(mean[0] - y[300]) < 1.96 * deviation[0]
+        X = g.standard_normal((n + 1, d))
+        y = X @ np.arange(d) + 3 + 0.5 * g.standard_normal(n + 1)
+        model = RLSRegressor(forgetting=forgetting).fit(X[:n], y[:n])
+        mean, deviation = model.predict(X[n:], return_std=True)
+        (low, high), = model.predict(X[n:], interval=0.95)[1]
+        inside += abs(mean[0] - y[n]) < 1.96 * deviation[0], low < y[n] < high
         variances.append(model.noise_variance_)
-    assert abs(covered - 950) < 3.3 * np.sqrt(1000 * 0.95 * 0.05)
-    assert abs(np.mean(variances) / 0.25 - 1) < 0.03
+    close = abs(inside - 950) < 3.3 * np.sqrt(1000 * 0.95 * 0.05)
+    many = n == 300 and forgetting >= 0.95    # else 1.96 deviations are too few
+    assert close[1] and (close[0] or not many), inside
+    assert abs(np.mean(variances) / 0.25 - 1) < (0.03 if many else 0.15)
+
+
+def test_the_interval_is_that_of_least_squares():
+    """Of statsmodels where it is there; and the same from parts, of a pickle, too."""
+    X, y = rows(12, 3)
+    model = RLSRegressor().fit(X[:10], y[:10])
+    parts = pickle.loads(pickle.dumps(RLSRegressor().partial_fit(X[:7], y[:7]))).partial_fit(X[7:10], y[7:10])
+    assert model.noise_degrees_ == parts.noise_degrees_ == 10 - 4
+    A = np.column_stack([X, np.ones(12)])
+    theta, (loss,), *_ = np.linalg.lstsq(A[:10], y[:10], rcond=None)
+    along = np.einsum("ij,jk,ik->i", A[10:], np.linalg.inv(A[:10].T @ A[:10]), A[10:])
+    half = 2.446911851144969 * np.sqrt(loss / 6 * (1 + along))    # Student's quantile of 0.975 with 6 degrees
+    for one in (model, parts):
+        mean, limits = one.predict(X[10:], interval=0.95)
+        assert np.array_equal(mean, one.predict(X[10:])) and limits.shape == (2, 2)
+        assert np.allclose(limits, np.column_stack([A[10:] @ theta - half, A[10:] @ theta + half]), rtol=1e-10)
+    assert np.isnan(RLSRegressor().fit(X[:4], y[:4]).predict(X, interval=0.5)[1]).all()
+    several = RLSRegressor().fit(X, np.column_stack([y, y]))
+    for call in (lambda: model.predict(X, interval=95), lambda: model.predict(X, interval=np.nan),
+                 lambda: model.predict(X, True, 0.9), lambda: several.predict(X, interval=0.9)):
+        with pytest.raises(ValueError, match="^(interval: expected a probability|return_std and interval are)[^\n]*$"):
+            call()
+    api = pytest.importorskip("statsmodels.api")
+    other = api.OLS(y[:10], A[:10]).fit().get_prediction(A[10:]).conf_int(obs=True, alpha=0.2)
+    assert np.allclose(model.predict(X[10:], interval=0.8)[1], other, rtol=1e-10)
 
 
 def spoilt(y, X):

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
+from scipy.special import stdtrit  # type: ignore[import]
 from sklearn.base import RegressorMixin  # type: ignore[import]
 from sklearn.utils.validation import check_is_fitted, column_or_1d  # type: ignore[import]
 
@@ -50,6 +51,9 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         and r = (1 + lambda^n) / (1 + lambda), over the rows taken, weighted as by `forgetting`, of a window the last.
         Rows that a guard sets aside do not enter, nor those before it started again, nor those of gamma <= 0.001, which
         show theta. NaN for too few rows.
+    noise_degrees_ : float
+        Of freedom of `noise_variance_`: (sum w)^2 / sum w^2 of the rows that entered, of weights w = lambda^(n-k). So
+        n - d at lambda 1 without a prior; as rows are forgotten it grows to (1 + lambda) / (1 - lambda) alone.
     filter_ : rlslab.Filter, or rlslab.Outputs of several columns of y
         With `fit_intercept` its rows are those of X less the first, and a 1; its outputs are y less the first. Where
         that is an outlier beside the others of its call, their median stands for it. So it does not merge with
@@ -125,23 +129,49 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         self._take_several(rows, outputs, whole)
         return self
 
-    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
-        """X theta; with `return_std` also the standard deviation of y about it, noise and theta's error together.
+    def predict(self, X: ArrayLike, return_std: bool = False, interval: float | None = None) -> Any:
+        """X theta, and on request how far the next y may be from it: noise and theta's error together.
 
-        Several columns of y have no `return_std`.
+        Parameters
+        ----------
+        X : array_like, shape (n, n_features)
+        return_std : bool
+            Also the standard deviation of y about the mean, s sqrt(1 + r psi'P psi), shape (n,): s^2 is
+            `noise_variance_`, r as there, after all rows.
+        interval : float, optional
+            Also the limits between which y is with this probability, in (0, 1): shape (n, 2), the mean -+ t of these
+            deviations, t Student's quantile at (1 + interval) / 2 with `noise_degrees_` of freedom. As statsmodels'
+            `get_prediction(X).conf_int(obs=True)` where nothing is forgotten and there is no prior. NaN for too few
+            rows. With forgetting it is for stationary rows, to first order in d (1 - lambda).
+
+        Returns
+        -------
+        The mean, shape (n,) or (n, m), or a pair of it and what was requested.
+
+        Raises
+        ------
+        ValueError
+            For both of them, another `interval`, and for several columns of y, which have neither.
         """
         check_is_fitted(self)
         valid = validated(self, X, reset=False)
+        if interval is not None and (return_std or not 0 < interval < 1):
+            raise ValueError(f"interval: expected a probability in (0, 1), without return_std, found {interval!r}")
         if isinstance(self.filter_, Outputs):
-            if return_std:
-                raise ValueError("return_std is of one column of y")
+            if return_std or interval is not None:
+                raise ValueError("return_std and interval are of one column of y")
             return self._predicted(valid)
         rows = self._rows(valid)
         mean = rows @ self.filter_.theta.astype(np.float64)    # less the reference of y
-        if not return_std:
+        if not return_std and interval is None:
             return mean + self._first_y
         along = np.array([self._along(row, y) for row, y in zip(rows, mean)])
-        return mean + self._first_y, np.sqrt(self.noise_variance_ * (1 + self._share(self._n) * along))
+        deviation = np.sqrt(self.noise_variance_ * (1 + self._share(self._n) * along))
+        mean = mean + self._first_y
+        if interval is None:
+            return mean, deviation
+        q = stdtrit(self.noise_degrees_, (1 + interval) / 2)
+        return mean, np.column_stack([mean - q * deviation, mean + q * deviation])
 
     def _expect_an_answer(self, X: NDArray[Any], y: NDArray[Any], steps: NDArray[np.void], whole: bool) -> None:
         """ValueError where theta is no number, or is not of these rows."""
@@ -224,7 +254,8 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
             raise with_advice(error) from None
         self._first = np.full(self.n_features_in_, np.nan if self.fit_intercept else 0.0)
         self._first_y = np.float64(self._first[0])
-        self._n, self._sum, self._weight = 0, 0.0, 0.0    # rows since the start; of the squares, and of their weights
+        self._n, self._sum = 0, 0.0    # rows since the start; of the squares
+        self._weight, self._weight2 = 0.0, 0.0    # of their weights, and of these squared
         self._squares = np.empty(0)    # of the rows in the window
 
     def _process(self, X: NDArray[Any], y: NDArray[Any]) -> NDArray[np.void]:
@@ -236,12 +267,14 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         squares = self._squares_of(steps)
         if self.window:
             squares = self._squares = np.concatenate([self._squares, squares])[-self.window :]
-            self._sum = self._weight = 0.0
+            self._sum = self._weight = self._weight2 = 0.0
         weights = self.forgetting ** np.arange(len(squares) - 1.0, -1.0, -1.0)
         past, seen = self.forgetting ** len(squares), np.isfinite(squares)
         self._sum = past * self._sum + float(weights[seen] @ squares[seen])
         self._weight = past * self._weight + float(weights[seen].sum())
+        self._weight2 = past**2 * self._weight2 + float(weights[seen] @ weights[seen])
         self.noise_variance_ = self._sum / self._weight if self._weight > 0 else np.nan
+        self.noise_degrees_ = self._weight**2 / self._weight2 if self._weight2 > 0 else 0.0
         theta = self.filter_.theta.astype(np.float64)
         if self.prior_variance is None and not self.window:    # a step tells of the rows before it
             if self.filter_.copy().pass_time().health == "undetermined":
@@ -263,7 +296,7 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         taken = (steps["health"] == HEALTHS.index("sound")) & np.isin(signal, (none, windup)) & (gamma > 0.001)
         expected = gamma + self._share(n[:-1]) * self.forgetting * (1 - gamma)
         if begun[-1] >= 0:    # what came before is of another theta
-            self._sum, self._weight, self._squares = 0.0, 0.0, np.empty(0)
+            self._sum, self._weight, self._weight2, self._squares = 0.0, 0.0, 0.0, np.empty(0)
             taken &= k[1:] > begun[-1]
         return np.where(taken, steps["innovation"] * steps["residual"] / expected, np.nan)
 

@@ -1,4 +1,4 @@
-// From a comparison to a sentence and a few lines of C++.
+// The verdict of a comparison in sentences.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
@@ -14,18 +14,10 @@ namespace rlslab::compare {
 using namespace report;
 namespace {
 
-/// The arithmetics of the hardware, named as in C++, the shortest first.
-constexpr std::string_view hardware[] = {"float", "double"};
-
 Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
     return *std::ranges::find_if(c.results, [&](Result const& x) {
         return x.entry->variant == variant && x.entry->arithmetic->name == arithmetic;
     });
-}
-
-std::string comment(std::string const& head, std::vector<std::string> const& items) {
-    std::string const begin = "// " + head + "(";
-    return begin + listed(items, "//" + std::string(begin.size() - 2, ' '), begin.size()) + ")\n";
 }
 
 }  // namespace
@@ -133,68 +125,6 @@ std::string folded(std::string const& code, size_t width) {
             line.insert(at + 1, "//   ");
         out += line + '\n';
     }
-    return out;
-}
-
-Recommendation const* coded(Comparison const& c) {
-    for (std::string_view const name : hardware)
-        for (Recommendation const& r : c.recommendations)
-            if (r.arithmetic == name && !r.variant.empty()) return &r;
-    return nullptr;
-}
-
-std::string code(Comparison const& c) {
-    if (c.digits) return code(*c.digits);
-    Recommendation const* const r = coded(c);
-    return r ? code(c, {.variant = r->variant, .arithmetic = r->arithmetic}) : "";
-}
-
-std::string code(Comparison const& c, CodedFilter const& filter) {
-    std::string const& T = filter.arithmetic;
-    if (std::ranges::find(hardware, T) == std::end(hardware)) return "";
-    Composition const& composition = c.options.composition;
-    std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition);
-    std::string const variant = fmt::format("#include <rlslab/variants/{}.hpp>\n", filter.variant);
-    out += (out.find(variant) == out.npos ? variant : "") + "\n";
-    out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output),
-                   c.model.regressors);
-    out += comment("theta = ", c.names);
-    std::vector<std::string> means;
-    for (auto const& [column, mean] : c.model.means) means.push_back(fmt::format("{} less {}", column, mean));
-    if (!means.empty()) out += comment("the columns as the filter takes them: ", means);
-    if (!filter.exponents.empty()) {
-        std::vector<std::string> factors;
-        for (int const e : filter.exponents) factors.push_back(fmt::format("2^{}", e));
-        out += comment("then each regressor times ", factors);
-        out += fmt::format(
-            "// and the output times 2^{}; theta_i of the columns before that = theta_i times the regressor's factor "
-            "times 2^{}\n",
-            filter.output_exponent, -filter.output_exponent);
-    }
-    std::string prior = fmt::format("{{.variance = {:#}}}", c.options.p0.value_or(0));
-    if (c.scaled_prior) {
-        Matrix<double> const P0 = *c.scaled_prior->prior().covariance;
-        std::vector<std::string> entries;
-        for (Index i = 0; i < c.size; ++i)
-            entries.push_back(fmt::format("{:#}", P0(i, i)));  // with a point: a whole number may not narrow to float
-        std::string const begin = fmt::format("rlslab::Vector<{}> const P0{{{{", T);
-        out += begin + listed(entries, std::string(begin.size(), ' '), begin.size()) + "}};\n";
-        prior = "{.covariance = P0.asDiagonal()}";
-    }
-    constexpr Index largest_fixed = 16;  // a fixed size keeps everything in the object: no heap after the start
-    std::string type = fmt::format("rlslab::{}<{}{}>", class_of(filter.variant), T,
-                                   c.size <= largest_fixed ? fmt::format(", {}", c.size) : "");
-    if (filter.guarded) type = fmt::format("rlslab::Guarded<{}>", type);
-    std::string const problem = fmt::format("{{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}}", c.size,
-                                            c.options.forgetting, T, prior);
-    if (composition.empty()) out += fmt::format("{} filter({});\n", type, problem);
-    else
-        out += fmt::format("rlslab::Problem<{}> const problem{};\n", T, problem) +
-               composition_code(composition, type, filter.variant, T, c.size);
-    out +=
-        filter.guarded || !composition.guard.empty()
-            ? "// each row: filter.update(psi, y); filter.signal() is what the guard saw, filter.counts() how often\n"
-            : "// a row: step = filter.update(psi, y); use theta() if step.health is sound\n";
     return out;
 }
 

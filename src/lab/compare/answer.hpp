@@ -1,4 +1,4 @@
-// The short answer of a comparison: the variant to use, its cost, and C++ code for it.
+// The short answer of a comparison: the variant to use, its cost, and code for it.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
@@ -15,18 +15,26 @@ std::string verdict(Comparison const& comparison, size_t width = std::string::np
 /// The recommendation for which code is printed: that in the shortest hardware arithmetic which has one. null: none.
 Recommendation const* coded(Comparison const& comparison);
 
-/// A filter in C++ on the problem of a comparison.
+/// A filter on the problem of a comparison.
 struct CodedFilter {
     std::string variant, arithmetic;  ///< of the hardware: float or double
     bool guarded = false;
     std::vector<int> exponents = {};  ///< regressor i is taken times 2^exponents[i]; empty: as it is
     int output_exponent = 0;          ///< likewise y
 };
-/// A C++ file that defines it as `filter`. Comments above it give the model and the order and signs of the regressors.
-/// It compiles as it stands. "" for another arithmetic.
-std::string code(Comparison const& comparison, CodedFilter const& filter);
+/// What code is printed for: "board", "c", "cpp", "python".
+std::vector<std::string_view> code_words();
+inline constexpr Index largest_on_a_board = 64;
+/// A file that makes it. Comments in it give the model and the order and signs of the regressors. It compiles as it
+/// stands. "" for another arithmetic. For
+///   board   C++ without a heap, guarded where the form can be: `take` and `theta`, in units of the record. Of at most
+///           largest_on_a_board parameters, and no composition but a guard that keeps no rows
+///   c       C99 on rlslab.h: `new_filter`; with exponents also `take` and `theta`
+///   cpp     C++ on the headers: `filter`
+///   python  on the package: `f`
+std::string code(Comparison const& comparison, CodedFilter const& filter, std::string_view word = "cpp");
 /// Of the one that keeps the wanted digits, or without them of the recommended one; "" where there is none.
-std::string code(Comparison const& comparison);
+std::string code(Comparison const& comparison, std::string_view word = "cpp");
 /// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as
 /// one.
 std::string folded(std::string const& code, size_t width);

@@ -76,7 +76,8 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
 std::string answer_text(DigitsAnswer const& answer, bool colour, size_t columns = 0);
 /// Digits to a tenth, rounded down: none is promised that is not there.
 inline double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
-/// The C++ file alone; "" where nothing keeps the digits, or in an arithmetic that is no type of the hardware.
-std::string code(DigitsAnswer const& answer);
+/// The file of code alone (answer.hpp); "" where nothing keeps the digits, or in an arithmetic that is no type of the
+/// hardware.
+std::string code(DigitsAnswer const& answer, std::string_view word = "cpp");
 
 }  // namespace rlslab::compare

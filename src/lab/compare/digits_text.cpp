@@ -57,13 +57,15 @@ std::string guard_text(DigitsAnswer const& a) {
 
 }  // namespace
 
-std::string code(DigitsAnswer const& a) {
+std::string code(DigitsAnswer const& a, std::string_view word) {
     ArithmeticTrial const* const t = a.chosen();
-    return t ? code(t->comparison, {.variant = std::string(a.choice()->result->entry->variant),
-                                    .arithmetic = t->arithmetic,
-                                    .guarded = a.guarded(),
-                                    .exponents = t->exponents,
-                                    .output_exponent = t->output_exponent})
+    return t ? code(t->comparison,
+                    {.variant = std::string(a.choice()->result->entry->variant),
+                     .arithmetic = t->arithmetic,
+                     .guarded = a.guarded(),
+                     .exponents = t->exponents,
+                     .output_exponent = t->output_exponent},
+                    word)
              : "";
 }
 

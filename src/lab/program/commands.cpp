@@ -187,7 +187,7 @@ std::vector<std::string> command_words{"rlslab"};
 std::string const& program_name() { return command_words.front(); }
 
 void set_command(std::vector<std::string> const& words, std::string const& name) {
-    static constexpr std::string_view with_value[] = {"--out", "--threads", "--color", "--part", "--from"},
+    static constexpr std::string_view with_value[] = {"--out", "--threads", "--color", "--figures", "--part", "--from"},
                                       alone[] = {"--json", "--csv", "--quiet", "--fresh"};
     command_words = {name};
     for (size_t i = 0; i < words.size(); ++i) {

@@ -3,12 +3,14 @@
 #include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/prior_law.hpp"
+#include "src/lab/compare/words.hpp"
 #include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/examples.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/program/run.hpp"
 
 #include <rlslab/core/files.hpp>
+#include <rlslab/input/suggestion.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -23,7 +25,7 @@ namespace {
 struct CompareArguments {
     RecordArguments record;
     CompositionArguments composition;
-    std::string out;
+    std::string out, code;
     bool json = false, csv = false, all = false;
     CompareOptions options;
 };
@@ -33,6 +35,14 @@ CompareOptions checked_options(CompareArguments const& a) {
     CompareOptions options = a.options;
     options.composition = composition_of(a.composition, options.forgetting);
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
+    if (!a.code.empty()) {
+        expect_one_of(code_words(), a.code, "--code", "word");
+        if (a.json || a.csv) throw InputError("--code: does not go with --json or --csv");
+        Composition const& c = options.composition;
+        if (a.code == "board" && (!c.control.empty() || c.window > 0 || c.policy().rebuilds()))
+            throw InputError(
+                "--code board: does not go with --control, --window or --guard rebuild; --guard reset is in it");
+    }
     if (options.digits && !options.composition.empty())
         throw InputError("--digits: does not go with --control, --window or --guard");
     if (options.digits && options.p0) throw InputError("--digits: does not go with --p0: it chooses the prior");
@@ -50,6 +60,9 @@ CompareOptions checked_options(CompareArguments const& a) {
 int run_compare(CompareArguments const& a) {
     CompareOptions const options = checked_options(a);
     Question question = question_of(with_example(a.record));
+    if (a.code == "board" && question.records.parameters() > largest_on_a_board)
+        throw InputError(fmt::format("--code board: expected at most {} parameters, found {}", largest_on_a_board,
+                                     question.records.parameters()));
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     for (std::string& doubt : doubts(question.records, options, question.model.regressors, question.in_file))
         question.model.warnings.push_back(std::move(doubt));
@@ -67,6 +80,13 @@ int run_compare(CompareArguments const& a) {
         replace_file(out / "compare.csv", as_csv(comparison));
         if (std::string const paste = code(comparison); !paste.empty()) replace_file(out / "filter.cpp", paste);
         replace_file(out / "compare.html", as_page(comparison));
+    }
+    if (!a.code.empty()) {
+        std::string const text = code(comparison, a.code);
+        for (std::string const& warning : warnings(comparison)) tell(fmt::format("rlslab: warning: {}\n", warning));
+        if (text.empty()) tell("rlslab: no code: nothing is named in float or double; without --code it says why\n");
+        print(text);
+        return text.empty();
     }
     print(a.json  ? as_json(comparison)
           : a.csv ? as_csv(comparison)
@@ -137,6 +157,8 @@ Command compare_command(CLI::App& app) {
            {seed_option(o.seed, "of stochastic rounding and of the orders of rows; default 1"),
             {"--threads", o.threads, "N", whole(1, 4096), "default: all cores; the results are the same"},
             {"--json", a->json, "JSON instead of the table"},
+            {"--code", a->code, "board|c|cpp|python",
+             "print the filter alone: C++ for a microcontroller (fixed size, no heap), C on rlslab.h, C++, Python"},
             folder_option(a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp"),
             {"--csv", a->csv, "CSV instead of the table"},
             {"--certify", o.certify, "also what 3 probes of each filter in float and double show of its error of P"}});

@@ -13,6 +13,9 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <optional>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace rlslab::program {
 using namespace report;
@@ -36,6 +39,27 @@ void keep_when_stopped(StudyRun const& run) {
                              program_name(), printable(run.out, 200)));
 }
 
+constexpr char converter[] = "rsvg-convert";
+bool converts() {
+    std::string const path = std::getenv("PATH") ? std::getenv("PATH") : "";
+    for (size_t begin = 0, end; begin <= path.size(); begin = end + 1) {
+        end = std::min(path.find(':', begin), path.size());
+        if (access((path.substr(begin, end - begin) + '/' + converter).c_str(), X_OK) == 0) return true;
+    }
+    return false;
+}
+/// For papers: a PDF beside an SVG.
+void convert(std::filesystem::path const& drawing) {
+    std::filesystem::path const pdf = std::filesystem::path(drawing).replace_extension(".pdf");
+    char const* const words[] = {converter, "--format", "pdf", "--output", pdf.c_str(), drawing.c_str(), nullptr};
+    pid_t child = 0;
+    int status = -1;
+    if (posix_spawnp(&child, converter, nullptr, nullptr, const_cast<char* const*>(words), environ) != 0 ||
+        waitpid(child, &status, 0) != child || status != 0)
+        throw InputError(
+            fmt::format("--figures pdf: {}: {} made no PDF of it", printable(drawing.string(), 200), converter));
+}
+
 }  // namespace
 
 void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char const* or_merge) {
@@ -45,7 +69,19 @@ void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char co
                      OptionRow("--out", run.out, "DIR", named("a folder"),
                                "folder for tables, figures and the report; default: " + run.out)
                          .last(),
-                     {"--fresh", run.fresh, "forget what an earlier run of this has finished"}});
+                     {"--fresh", run.fresh, "forget what an earlier run of this has finished"},
+                     OptionRow("--figures", run.figures, "svg|pdf",
+                               CLI::Validator(
+                                   [](std::string& text) {
+                                       if (text != "svg" && text != "pdf")
+                                           return fmt::format("expected svg or pdf, found \"{}\"", printable(text));
+                                       return text == "svg" || converts()
+                                                  ? ""
+                                                  : fmt::format("expected {} in PATH, which makes them", converter);
+                                   },
+                                   ""),
+                               "pdf: each figure also as PDF, by rsvg-convert; default svg")
+                         .last()});
     command
         .add_option_function<std::string>(
             "--part", [&run](std::string const& text) { run.part = *part_of(text); },
@@ -112,8 +148,11 @@ std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun
         for (Study const* study : chosen) forget_trials(out / ".trials", study->name);
     std::vector<Outcome> const outcomes = run_studies(chosen, run.options, progress_after_a_second("studying"));
     for (Outcome const& outcome : outcomes)
-        for (Figure const& figure : figures(*outcome.study, outcome.table))
-            replace_file(out / "figures" / (figure.name + ".svg"), svg(figure));
+        for (Figure const& figure : figures(*outcome.study, outcome.table)) {
+            std::filesystem::path const drawing = out / "figures" / (figure.name + ".svg");
+            replace_file(drawing, svg(figure));
+            if (run.figures == "pdf") convert(drawing);
+        }
     replace_file(out / "report.html", report_html(outcomes, run.options));
     return outcomes;
 }

@@ -8,12 +8,12 @@ namespace rlslab::program {
 
 struct StudyRun {
     bool fresh = false;
-    std::string out = "out";
+    std::string out = "out", figures = "svg";
     studies::Part part;
     studies::RunOptions options;
 };
-/// --seed, --threads, --out, --fresh, --part. `run` outlives the command's run. `or_merge` follows "into one folder
-/// that all see".
+/// --seed, --threads, --out, --fresh, --figures, --part. `run` outlives the command's run. `or_merge` follows "into one
+/// folder that all see".
 void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char const* or_merge);
 
 /// Throws InputError where another option does not go with --part.
