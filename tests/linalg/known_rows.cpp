@@ -107,8 +107,6 @@ TYPED_TEST(RowsInFlightKernel, WouldDifferIfARowStartedOneRotationTooEarly) {
 
 // Filters of fixed size 1 to 8, whose kernels have a text without loops (kernels/small.hpp), leave the bits of those of
 // dynamic size: steps, theta, gain and what is stored, for ordinary and hostile rows.
-using namespace known_rows;
-namespace {
 
 /// Where a step is not finite both begin anew: blocks of rows multiply the zeros beside a diagonal by infinities, and
 /// the numbers may differ.

@@ -92,8 +92,6 @@ TEST(Families, AnEntryIsFoundInAnyList) {
 
 // Formulas of pages: MathML where pandoc was there when the program was built, and text that can be read elsewhere.
 using namespace report;
-using namespace studies;
-namespace {
 
 TEST(Formulas, OfEveryStudyAreMathML) {
     for (Study const* study : studies::studies()) {

@@ -13,7 +13,9 @@
 #include <cmath>
 
 namespace rlslab {
-
+namespace studies {
+extern Study const stochastic_definiteness;
+}
 using namespace studies;
 namespace {
 
@@ -114,11 +116,6 @@ TEST(RandomRounding, AFilterIsReplayedByItsSeed) {
 }
 
 // The words of the claims about hazards: on made-up losses each holds, fails and is undecided where it should.
-using namespace studies;
-namespace studies {
-extern Study const stochastic_definiteness;
-}
-namespace {
 
 /// The verdict of the claim that begins so.
 Verdict verdict(std::string const& begins, Table const& t) {

@@ -87,9 +87,7 @@ TEST(Map, ItsStatisticsAreOneWhereTheLawsHoldAndCanFail) {
 }
 
 // The records of the survey: the list, those in the program, their scaling; and one line where the others are not.
-using namespace studies;
 using namespace studies::survey_data;
-namespace {
 
 std::vector<std::string> records_of_study(Budget budget) {
     std::vector<std::string> out;

@@ -240,6 +240,8 @@ std::string described(Study const& study, size_t width) {
 }
 
 // How long a run takes: some trials, run in a child process that can be stopped at any time.
+namespace {
+
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
