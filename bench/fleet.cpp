@@ -1,4 +1,4 @@
-// lockstep/VARIANT/double8/SIZE and float16: as many filters as a Pack has lanes, one row each at a time; ns per filter.
+// lockstep/VARIANT/double8/SIZE and float16: as many filters as a Pack has lanes, a row each at a time; ns per filter.
 // fleet/VARIANT/double8/SIZE and float16: a million filters in the order of memory, one row each; ns per filter, and
 // bytes of state moved. ud_steps/: with a report of each filter; ud_missing/: that, and every tenth filter misses its
 // samples. ud_guard/ and ud_guard_missing/: the same of guarded filters, whose state's bytes are an upper bound.

@@ -1,5 +1,4 @@
-// What a finished run of the benchmarks has, in the JSON that Google Benchmark wrote: as a page, as a table, as times on
-// record.
+// What a run of the benchmarks has, in the JSON that Google Benchmark wrote: as a page, as a table, as times on record.
 #pragma once
 
 #include <optional>
@@ -39,12 +38,12 @@ std::string table_of_times(Run const& run);
 /// One pass that reads and writes 8192 bytes: a row's time over it is what a faster clock leaves as it is.
 inline constexpr char unit_row[] = "limit/read_modify_write/8192";
 
-/// The file of the times on record with those of this run: the unit row and update/..., which the site shows, each with
-/// its least, median and largest time over the median of the unit row's, under the kind of machine: processor,
+/// The file of the times on record with those of this run: the unit row and update/..., which the site shows, each
+/// with its least, median and largest time over the median of the unit row's, under the kind of machine: processor,
 /// instruction set and compiler. In place of what was there of its kind or, `add`, the rows which that has not: the
-/// others keep their numbers. before: "" where there is no file. Throws std::runtime_error without the unit row, where a
-/// row has fewer than five repetitions, and where nothing can be added: of a kind that is not there, or unless the rows
-/// of both stand alike: the median of their factors is within a twentieth of 1.
+/// others keep their numbers. before: "" where there is no file. Throws std::runtime_error without the unit row, where
+/// a row has fewer than five repetitions, and where nothing can be added: of a kind that is not there, or unless the
+/// rows of both stand alike: the median of their factors is within a twentieth of 1.
 std::string recorded(std::string const& before, std::string const& run_json, bool add);
 
 /// argv: the program, "ranks", and up to four numbers: ranks, parameters, rows, rows of a group. Outside of an MPI job

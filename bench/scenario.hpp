@@ -16,7 +16,7 @@ struct Scenario {
 };
 
 /// The filters' scenario: a transversal filter of d taps fed with white noise, psi_k = (x_k, x_{k-1}, ..., x_{k-d+1}),
-/// x = 0 before the first row. lambda = 0.99 and P0 = 10 I, because liquid-dsp takes a delay line and has that P0 built in.
+/// x = 0 before the first row. lambda = 0.99 and P0 = 10 I, for liquid-dsp takes a delay line and has that P0 built in.
 Scenario const& tapped_delay_line(Index size);
 
 /// A window over the same rows: its solution is that of the last window_rows(size) of the scored rows, and of the

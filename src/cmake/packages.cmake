@@ -106,8 +106,8 @@ set(linked_with "")
 if(TARGET rlslab_sparse)
   set(linked_with "
 /usr/bin/rlslab links SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU General Public License,
-version 2 or later (on Debian /usr/share/common-licenses/GPL-2). It as a whole may be passed on under that licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends
-on them.
+version 2 or later (on Debian /usr/share/common-licenses/GPL-2). It as a whole may be passed on under that licence
+alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends on them.
 ")
 endif()
 if(TARGET rlslab_bench AND GSL_LIBRARY)

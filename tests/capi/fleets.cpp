@@ -61,7 +61,7 @@ void expect_the_bytes_of(std::size_t m) {
     constexpr std::size_t parts = sizeof(N) / sizeof(T);
     auto const psi = numbers<T>(parts * rows * M * d, 5), y = numbers<T>(parts * rows * M * m, 6), w = weights<T>();
     Fleet fleet(Index(M), {.size = Index(d), .forgetting = T(0.98)}, Index(m));
-    FleetSteps<N> last(Index(M), Index(m));
+    FleetSteps<N> last{Index(M), Index(m)};
     auto const at = [](std::vector<T> const& x, std::size_t from) {
         return reinterpret_cast<N const*>(x.data() + parts * from);
     };

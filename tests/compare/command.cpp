@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <array>
-#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
@@ -208,7 +206,8 @@ TEST_F(CompareCommand, HasAnAnswerForAnyPriorAndRecord) {
             std::string const said = text(record + " --output y --p0 " + p0);
             for (char const* const wrong : {"nan", "inf"})
                 EXPECT_THAT(said, Not(HasSubstr(std::string(" ") + wrong + " "))) << record << p0;
-            for (json const& cost : compared(record + " --output y --p0 " + p0)["prior_costs"])
+            json const out = compared(record + " --output y --p0 " + p0);
+            for (json const& cost : out["prior_costs"])
                 EXPECT_TRUE(cost["loss"].is_number() && cost["digits"].is_number()) << record << p0;
         }
     EXPECT_EQ(shell("rlslab compare rank.csv --regressors u,v --output y --p0 1").code, 2);
@@ -296,8 +295,9 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
     EXPECT_THAT(read(folder / "broken/compare.html"), rlslab::Names("conventional indefinite"));
 }
 TEST_F(CompareCommand, CertifySetsWhatProbesShowBesideTheTruth) {
+    json const out = compared(sales + " --certify");
     int seen = 0;
-    for (json const& r : compared(sales + " --certify")["results"]) {
+    for (json const& r : out["results"]) {
         json const& probes = r["probes"];
         if (probes.is_null()) continue;
         ++seen;

@@ -140,7 +140,7 @@ TEST_F(CompareDoubts, DependenceButForRoundingIsNamedAsIdentifyNamesIt) {
     EXPECT_THAT(warnings("compare" + model + "x1,x2,x3"), Contains(Names("x1[k], x2[k], x3[k] rounding")));
 }
 
-/// A record of a second-order system with its times, and what loggers make of it. Their sentences: tests/input/times.cpp.
+/// A record of a second-order system with its times, and what loggers make of it. Sentences: tests/input/times.cpp.
 TEST_F(CompareDoubts, GapsAndDoublesAndOrderAreSeenAndMendedByTime) {
     constexpr int n = 400;
     Signal const u = rlslab::prbs(7, n, 3);
