@@ -173,11 +173,13 @@ void output_fleet() {
         fleet.update(psi.data(), y.data(), ComplexScalar<N> ? nullptr : w.data(), nullptr);
     }
     Hash hash;
-    for (Index i = 0; i < M; ++i)
-        for (N const& x : Matrix<N>(fleet.theta(i).transpose()).reshaped()) {
+    for (Index i = 0; i < M; ++i) {
+        Matrix<N> const theta = fleet.theta(i).transpose();
+        for (N const& x : theta.reshaped()) {
             hash.add(double(real_part(x)));
             if constexpr (ComplexScalar<N>) hash.add(double(x.im));
         }
+    }
     for (std::byte const byte : state_of(fleet)) hash.add(byte);
     hash.print(std::string(F::name) + (ComplexScalar<N> ? " complex " : " fleet ") +
                std::string(ArithmeticTraits<T>::name));
