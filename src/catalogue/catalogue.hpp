@@ -22,9 +22,9 @@ struct Cost {
 /// Every pair of variant and arithmetic: arithmetics from the shortest to the longest, variants in the order of the
 /// list.
 std::vector<CatalogueEntry> const& catalogue();
-/// A filter of somebody's own beside them: entry_of<F>(&arithmetic_named("float", "")), of <rlslab/catalogue/erase.hpp>.
-/// Studies, figures and all that goes by name then know it. To be called from main, before threads are: references
-/// into the catalogue end. Throws std::invalid_argument where the pair of names is there.
+/// A filter of somebody's own beside them: entry_of<F>(&arithmetic_named("float", "")) of
+/// <rlslab/catalogue/erase.hpp>. Studies, figures and all that goes by name then know it. To be called from main,
+/// before threads are: references into the catalogue end. Throws std::invalid_argument where that pair is there.
 void add_to_catalogue(CatalogueEntry const& entry);
 /// Every variant in VariablePrecision (<rlslab/arithmetic/variable_precision.hpp>), which rounds to the format set by
 /// the `PrecisionScope` of the calling thread. It has no entry in the catalogue because its format is chosen at run

@@ -51,8 +51,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (int const p : lengths) {
         PrecisionScope const precision(p);
         Arithmetic const& arithmetic = *variable_precision_catalogue().front().arithmetic;
-        Problem<double> const problem = as_stored(
-            {.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = variance}}, arithmetic);
+        Problem<double> const problem =
+            as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = variance}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
         CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
         for (Cell const& form : row_forms()) {

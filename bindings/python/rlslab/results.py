@@ -53,8 +53,8 @@ def _independent(scaled: Floats) -> list[int]:
 
 def _too_near(row: int) -> ValueError:
     return ValueError(
-        f"columns of exog depend on one another but for rounding in its first {row + 1} rows: take offsets off them (the "
-        "rows less one of them, but for the constant), or begin with other rows"
+        f"columns of exog depend on one another but for rounding in its first {row + 1} rows: take offsets off them "
+        "(the rows less one of them, but for the constant), or begin with other rows"
     )
 
 

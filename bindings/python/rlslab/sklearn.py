@@ -42,8 +42,8 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
     Attributes
     ----------
     coef_ : ndarray of shape (n_features,), or (m, n_features) of m columns of y
-        NaN after `partial_fit` where the rows so far do not determine them (of several columns, and with a window, until
-        they do).
+        NaN after `partial_fit` where the rows so far do not determine them (of several columns of y, and with a window,
+        until they do).
     intercept_ : float, or ndarray of shape (m,)
     n_features_in_ : int
     noise_variance_ : float
