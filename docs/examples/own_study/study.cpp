@@ -1,5 +1,5 @@
 // In float, which form still finds a sensor's curve from our calibration, in whatever order its rows come?
-#include "averaged.hpp"
+#include <averaged.hpp>
 
 #include <rlslab/catalogue/erase.hpp>
 #include <rlslab/input/csv.hpp>

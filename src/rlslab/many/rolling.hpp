@@ -263,12 +263,12 @@ void run_rolling(RollingTask<X> const& task, std::vector<RollingPiece> const& pi
 /// **No row is ever taken back, and no sum is a difference**: a window is the end of one block of W rows and the
 /// beginning of the next, whose triangles are made by adding rows, backwards and forwards, and merged. So a row that is
 /// not in a window has no effect on any bit of its answers, whatever its size (but whether a column is constant is
-/// asked of all rows that are not left out), and their errors are those of a QR factorisation of the window's rows alone.
+/// asked of all rows that are not left out), and their errors are those of a QR factorisation of its rows alone.
 ///
 /// NaN where a window has fewer than `min_periods` rows, or is not full (-1), or does not determine theta: a pivot of R
 /// is not above its rounding, linalg/triangles.hpp, at more than 8192 rows in proportion. sigma, error, t are NaN where
-/// N <= r d, and where N has worn down to 2^-1000; `rows` is how many were not left out. r2 is NaN where y is 0, or constant beside a constant column. What
-/// is of no group is NaN.
+/// N <= r d, and where N has worn down to 2^-1000; `rows` is how many were not left out. r2 is NaN where y is 0, or
+/// constant beside a constant column. What is of no group is NaN.
 ///
 /// Computes in binary64; X is float or double. Cost a row: 4 d^2 operations in two rows added, 4/3 d^3 of a merging,
 /// d^3/3 where `error` or `t` are wanted; memory W d^2 numbers up to a megabyte, then sqrt(W) d^2, a thread, and rows
