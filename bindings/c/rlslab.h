@@ -187,7 +187,8 @@ typedef struct rlslab_fleet rlslab_fleet;
 rlslab_status rlslab_fleet_new(char const* variant, char const* arithmetic, size_t filters,
                                rlslab_options const* options, rlslab_fleet** out);
 rlslab_status rlslab_fleet_copy(rlslab_fleet const* fleet, rlslab_fleet** out);
-// The same of m outputs each, with one P for all: plain variants that report P.
+// The same of m outputs each, with one P for all: plain variants that report P. Each has the bits of a filter of its
+// own, but those behind the first of extended_qr, whose first turns with P.
 rlslab_status rlslab_fleet_new_outputs(char const* variant, char const* arithmetic, size_t filters, size_t outputs,
                                        rlslab_options const* options, rlslab_fleet** out);
 void rlslab_fleet_free(rlslab_fleet* fleet);             // or null

@@ -359,6 +359,15 @@ def test_an_outlier_in_the_first_row_leaves_with_the_window():
         np.testing.assert_allclose([*model.coef_, model.intercept_], right, rtol=1e-12)
 
 
+@pytest.mark.parametrize("interval", ["0.9", [0.9], 1j, 0, 1, np.nan])
+def test_an_interval_is_a_probability(interval):
+    model = RLSRegressor().fit(*rows(30, 2))
+    with pytest.raises((TypeError, ValueError), match="^interval"):
+        model.predict(np.ones((1, 2)), interval=interval)
+    low, high = model.predict(np.ones((1, 2)), interval=1 - 1e-16)[1][0]
+    assert np.isfinite([low, high]).all() and low < high
+
+
 def test_columns_that_depend_leave_nan():
     a = np.random.default_rng(0).standard_normal((50, 2))
     model = RLSRegressor().partial_fit(np.column_stack([a, a.sum(1)]), a[:, 0] ** 2)

@@ -165,8 +165,8 @@ def arguments(
         raise ValueError("expected outputs >= 1")
     expect_memory(max(M, 1) * d * (d + max(rows, 0)) + d * m)
     variance = 0.0 if prior_variance is None else real(prior_variance, "prior_variance")
-    if prior_variance is not None and not variance > 0:
-        raise ValueError("expected prior_variance > 0, or None: no prior")
+    if prior_variance is not None and not 0 < variance < float("inf"):
+        raise ValueError("expected a finite prior_variance > 0, or None: no prior")
     name, numbers = control_numbers(control)
     policy, of_guard, memory, rebuild = guard_numbers(guard, guard_options)
     return (

@@ -122,7 +122,8 @@ class Fleet(Filters):
     window, guard, guard_options, control, certify, digits
         As of `rlslab.Filter`: of every filter, which counts and mends for itself.
     outputs : int, optional
-        m outputs of each filter, which share its P: of plain variants that report P.
+        m outputs of each filter, which share its P: of plain variants that report P. Each has the bits of a filter of
+        its own, but those behind the first of `extended_qr`, whose first turns with P.
     device : {"cpu", "cuda"}
         "cuda": on a GPU, with the same bits; what is made then is a `CudaFleet` (`docs/gpu.md`).
 

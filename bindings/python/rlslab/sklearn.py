@@ -155,8 +155,10 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         """
         check_is_fitted(self)
         valid = validated(self, X, reset=False)
-        if interval is not None and (return_std or not 0 < interval < 1):
-            raise ValueError(f"interval: expected a probability in (0, 1), without return_std, found {interval!r}")
+        if interval is not None:
+            interval = _options.real(interval, "interval")
+            if return_std or not 0 < interval < 1:
+                raise ValueError(f"interval: expected a probability in (0, 1), without return_std, found {interval!r}")
         if isinstance(self.filter_, Outputs):
             if return_std or interval is not None:
                 raise ValueError("return_std and interval are of one column of y")
@@ -170,7 +172,7 @@ class RLSRegressor(RegressorMixin, Linear):  # type: ignore[misc]
         mean = mean + self._first_y
         if interval is None:
             return mean, deviation
-        q = stdtrit(self.noise_degrees_, (1 + interval) / 2)
+        q = -stdtrit(self.noise_degrees_, (1 - interval) / 2)
         return mean, np.column_stack([mean - q * deviation, mean + q * deviation])
 
     def _expect_an_answer(self, X: NDArray[Any], y: NDArray[Any], steps: NDArray[np.void], whole: bool) -> None:

@@ -25,7 +25,8 @@ namespace {
 struct CompareArguments {
     RecordArguments record;
     CompositionArguments composition;
-    std::string out, code;
+    std::string out;
+    std::optional<std::string> code;
     bool json = false, csv = false, all = false;
     CompareOptions options;
 };
@@ -35,8 +36,8 @@ CompareOptions checked_options(CompareArguments const& a) {
     CompareOptions options = a.options;
     options.composition = composition_of(a.composition, options.forgetting);
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
-    if (!a.code.empty()) {
-        expect_one_of(code_words(), a.code, "--code", "word");
+    if (a.code) {
+        expect_one_of(code_words(), *a.code, "--code", "word");
         if (a.json || a.csv) throw InputError("--code: does not go with --json or --csv");
         Composition const& c = options.composition;
         if (a.code == "board" && (!c.control.empty() || c.window > 0 || c.policy().rebuilds()))
@@ -81,8 +82,8 @@ int run_compare(CompareArguments const& a) {
         if (std::string const paste = code(comparison); !paste.empty()) replace_file(out / "filter.cpp", paste);
         replace_file(out / "compare.html", as_page(comparison));
     }
-    if (!a.code.empty()) {
-        std::string const text = code(comparison, a.code);
+    if (a.code) {
+        std::string const text = code(comparison, *a.code);
         for (std::string const& warning : warnings(comparison)) tell(fmt::format("rlslab: warning: {}\n", warning));
         if (text.empty()) tell("rlslab: no code: nothing is named in float or double; without --code it says why\n");
         print(text);
