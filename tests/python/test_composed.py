@@ -277,6 +277,7 @@ def test_a_composed_fleet_is_its_filters(options):
     fleet = rlslab.Fleet("ud", 5, 3, forgetting=0.98, **options)
     steps = fleet.update_many(Psi, y, steps=True)
     assert (np.argwhere(np.isnan(steps["innovation"])) == [[60, 3]]).all()
+    assert rlslab.SIGNALS[steps[60, 3]["signal"]] == ("unusable" if "guard" in options else "none")
     for i in range(5):
         alone = rlslab.Ud(3, forgetting=0.98, **options)
         for k in range(80):
