@@ -5,7 +5,7 @@
 #include "src/lab/report/figure.hpp"
 
 #include <fmt/format.h>
-#include <ranges>
+#include <numeric>
 
 namespace rlslab::identify {
 
@@ -30,7 +30,11 @@ public:
         for (auto const sample : samples) out.push_back(time(double(sample)));
         return out;
     }
-    Signal times(Index first, size_t count) const { return times(std::views::iota(first, first + Index(count))); }
+    Signal times(Index first, size_t count) const {
+        std::vector<Index> samples(count);
+        std::iota(samples.begin(), samples.end(), first);
+        return times(samples);
+    }
     Signal frequencies(Signal x) const {
         for (double& f : x) f = frequency(f);
         return x;
