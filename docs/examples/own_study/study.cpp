@@ -1,6 +1,7 @@
 // In float, which form still finds a sensor's curve from our calibration, in whatever order its rows come?
 #include <averaged.hpp>
 
+#include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/erase.hpp>
 #include <rlslab/input/csv.hpp>
 #include <rlslab/studies/judgements.hpp>
