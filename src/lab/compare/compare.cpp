@@ -103,11 +103,17 @@ std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution cons
     return out;
 }
 
+std::vector<Index> constant_regressors(Records const& records) {
+    std::vector<Index> out;
+    for (Index i = 0; i < records.parameters(); ++i)
+        if (constant_value(records.psi.row(i))) out.push_back(i);
+    return out;
+}
 /// " (constant: b0, b1)", the names of constant regressors, which are the most common reason for dependence; or "".
 std::string constants_text(Records const& records) {
     std::vector<std::string> names;
-    for (Index i = 0; i < records.parameters(); ++i)
-        if (constant_value(records.psi.row(i))) names.push_back(records.names[size_t(i)]);
+    for (Index const i : constant_regressors(records))
+        if (!records.names.empty()) names.push_back(records.names[size_t(i)]);
     return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
 
@@ -198,7 +204,7 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
     for (std::string const& name : records.names) out.names.push_back(printable(name));
     out.model.regressors = out.names;
     out.without_prior = given.without;
-    if (constants_text(records).empty()) out.offset = deviations_off_zero(records.y);
+    if (constant_regressors(records).empty()) out.offset = deviations_off_zero(records.y);
     double const noise = needs_noise_variance(options.composition) ? noise_variance(records, given.without) : 0;
     out.options.composition = completed(options.composition, given.problem, noise);
     return out;
