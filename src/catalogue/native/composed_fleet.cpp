@@ -35,10 +35,11 @@ class ComposedFleet final : public Fleet {
         T const output = T(y), weight = w ? T(*w) : T(1);
         for (Index i = 0; i < size(); ++i) row_[i] = T(psi[i]);
         bool const whole = (all_finite(row_) && is_finite(output)) || weight == T(0);
+        bool const weighs = T(0) <= weight && is_finite(weight);  // else no signal, as of one filter
         if (told)
             *told = {none, none, none, std::int32_t(Health::nonfinite),
-                     signals_ ? std::int32_t(GuardSignal::unusable) : 0};
-        if (!whole || !(T(0) <= weight) || !is_finite(weight)) return false;
+                     signals_ && weighs ? std::int32_t(GuardSignal::unusable) : 0};
+        if (!whole || !weighs) return false;
         AnyAdaptive<T>& filter = f_.each[std::size_t(m)];
         Regressor<T> const row(row_.data(), size());
         T by(1);
