@@ -64,11 +64,11 @@ public:
     Index update(Rows const& rows) override {
         auto const* const given = std::get_if<native::Step*>(&rows.steps);
         native::Step* steps = given ? *given : nullptr;
-        bool const weighs = std::visit([](auto* w) { return w != nullptr; }, rows.weights);
         Index missing = 0;
         std::visit(
             [&]<class X>(X const* psi) {
-                X const *y = std::get<X const*>(rows.y), *w = weighs ? std::get<X const*>(rows.weights) : nullptr;
+                X const *y = std::get<X const*>(rows.y),
+                        *w = rows.weighs() ? std::get<X const*>(rows.weights) : nullptr;
                 for (Index k = 0; k < rows.count * filters(); ++k, psi += size())
                     missing += !take(k % filters(), psi, y[k], w ? w + k : nullptr, steps ? steps + k : nullptr);
             },

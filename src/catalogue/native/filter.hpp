@@ -226,6 +226,9 @@ public:
         Index count;
         Numbers psi, y, weights = static_cast<double const*>(nullptr);
         Steps steps = static_cast<Step*>(nullptr);
+        bool weighs() const {
+            return std::visit([](auto* w) { return w != nullptr; }, weights);
+        }
     };
     virtual Index update(Rows const& rows) = 0;
     /// One row for each.

@@ -74,10 +74,9 @@ public:
         auto const* const given = std::get_if<Told*>(&rows.steps);
         Told* to = given ? *given : nullptr;
         if (to && steps_.filters() == 0) steps_.resize(filters(), outputs());
-        bool const weighs = std::visit([](auto* w) { return w != nullptr; }, rows.weights);
         Index missing = 0;
         auto const take_all = [&]<class X>(X const* psi) {
-            X const *y = std::get<X const*>(rows.y), *w = weighs ? std::get<X const*>(rows.weights) : nullptr;
+            X const *y = std::get<X const*>(rows.y), *w = rows.weighs() ? std::get<X const*>(rows.weights) : nullptr;
             for (Index k = 0; k < rows.count; ++k) {
                 missing += take(psi, y, w, to);
                 psi += parts * filters() * size(), y += parts * filters() * outputs();

@@ -8,19 +8,24 @@ namespace rlslab::native {
 /// m outputs of one regressor: one P for all (rlslab::MultiOutput). Of several threads one at a time may use it, also
 /// to read. Where an argument is refused std::invalid_argument is thrown, in one line, and it is as it was.
 class Outputs {
-    Index size_;
-    std::string_view variant_, arithmetic_;
-
 protected:
-    Outputs(Index size, std::string_view variant, std::string_view arithmetic)
-        : size_(size), variant_(variant), arithmetic_(arithmetic) {}
+    struct Shape {
+        Index size, outputs;
+        std::string_view variant, arithmetic;
+        bool covariance;
+    } shape_;
+    std::int32_t health_;
+    std::int64_t left_out_ = 0;
+
+    Outputs(Shape const& shape, std::int32_t health) : shape_(shape), health_(health) {}
+    enum class Part { theta, matrix, factor };
 
 public:
     virtual ~Outputs() = default;
-    Index size() const { return size_; }  ///< d
-    std::string_view variant() const { return variant_; }
-    std::string_view arithmetic() const { return arithmetic_; }
-    virtual Index outputs() const = 0;  ///< m
+    Index size() const { return shape_.size; }  ///< d
+    std::string_view variant() const { return shape_.variant; }
+    std::string_view arithmetic() const { return shape_.arithmetic; }
+    Index outputs() const { return shape_.outputs; }  ///< m
 
     using Numbers = Fleet::Numbers;
     /// One row: psi of d numbers, y of m. A y that is not finite: the row is lost for all outputs, and its time passes;
@@ -43,14 +48,14 @@ public:
     virtual void merge(Outputs const& newer) = 0;
 
     /// d x m, by rows: parameter i of output j is out[i m + j]. NaN until the rows determine it.
-    virtual void theta(double* out) const = 0;
-    virtual bool reports_covariance() const = 0;
+    void theta(double* out) const { copy(Part::theta, out); }
+    bool reports_covariance() const { return shape_.covariance; }
     /// P, or P^-1, whichever is reported: d x d, by columns.
-    virtual void matrix(double* out) const = 0;
+    void matrix(double* out) const { copy(Part::matrix, out); }
     /// F, d x d, by columns, F F' = matrix(): of the variants that store a root (of qr_block F = R').
-    virtual void factor(double* out) const = 0;
-    virtual std::int32_t health() const = 0;    ///< of the last row or block
-    virtual std::int64_t left_out() const = 0;  ///< rows, since it was made, reset or loaded
+    void factor(double* out) const { copy(Part::factor, out); }
+    std::int32_t health() const { return health_; }      ///< of the last row or block
+    std::int64_t left_out() const { return left_out_; }  ///< rows, since it was made, reset or loaded
 
     virtual void reset() = 0;  ///< as it was made, with as many outputs as now
     std::size_t state_size() const { return save({}); }
@@ -59,6 +64,9 @@ public:
     /// Of the same variant, arithmetic, size and number of outputs.
     virtual void load(std::span<std::byte const> from) = 0;
     virtual std::unique_ptr<Outputs> clone() const = 0;
+
+private:
+    virtual void copy(Part part, double* to) const = 0;
 };
 
 /// As `make`; of plain variants, all but extended_qr and kalman.

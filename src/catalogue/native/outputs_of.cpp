@@ -29,8 +29,6 @@ class OutputsIn final : public Outputs {
     Problem<T> problem_;  // for reset()
     Filters filters_;
     Matrix<T> X_, Y_;  // rows that are not in place, and their outputs: d x block, block x m
-    Health health_;
-    std::int64_t left_out_ = 0;
 
     template <class X>
     static bool finite(X const* x, Index n) {
@@ -45,14 +43,14 @@ class OutputsIn final : public Outputs {
         for (Index i = 0; i < n; ++i) room.data()[i] = T(x[i]);
         return {room.data(), n};
     }
-    Health worst() const {
+    std::int32_t worst() const {
         Health out = Health::sound;
         for (auto const& step : filters_.steps()) out = worse(out, step.health);
-        return out;
+        return std::int32_t(out);
     }
     /// The n rows at `places`: in place where they stand one after another.
     template <class X>
-    Health take(X const* x, Index x_stride, X const* y, Index y_stride, Index const* places, Index n) {
+    std::int32_t take(X const* x, Index x_stride, X const* y, Index y_stride, Index const* places, Index n) {
         if constexpr (!by_blocks) {
             filters_.update(rounded(x + *places * x_stride, size(), X_),
                             rounded(y + *places * y_stride, outputs(), Y_));
@@ -63,14 +61,14 @@ class OutputsIn final : public Outputs {
                 for (Index j = 0; j < outputs(); ++j) Y_(k, j) = T(y[places[k] * y_stride + j]);
             if constexpr (std::same_as<X, T>)
                 if (places[n - 1] - places[0] == n - 1)
-                    return filters_.update_block(
-                        RowsOf<T>(Eigen::Map<Matrix<T> const, 0, Eigen::OuterStride<>>(
-                            x + places[0] * x_stride, size(), n, Eigen::OuterStride<>(x_stride))),
-                        Y_);
+                    return std::int32_t(
+                        filters_.update_block(RowsOf<T>(Eigen::Map<Matrix<T> const, 0, Eigen::OuterStride<>>(
+                                                  x + places[0] * x_stride, size(), n, Eigen::OuterStride<>(x_stride))),
+                                              Y_));
             X_.resize(size(), n);
             for (Index k = 0; k < n; ++k)
                 for (Index i = 0; i < size(); ++i) X_(i, k) = T(x[places[k] * x_stride + i]);
-            return filters_.update_block(RowsOf<T>(X_), Y_);
+            return std::int32_t(filters_.update_block(RowsOf<T>(X_), Y_));
         }
     }
     template <class X>
@@ -94,10 +92,9 @@ class OutputsIn final : public Outputs {
 
 public:
     OutputsIn(Index outputs, Problem<T> const& problem)
-        : Outputs(problem.size, F::name, ArithmeticTraits<T>::name), problem_(problem), filters_(problem, outputs),
-          health_(started()) {}
+        : Outputs({problem.size, outputs, F::name, ArithmeticTraits<T>::name, ReportsCovariance<F>}, started(problem)),
+          problem_(problem), filters_(problem, outputs) {}
 
-    Index outputs() const override { return filters_.outputs(); }
     std::int32_t update(Numbers psi, Numbers y, Step* steps) override {
         std::visit(
             [&]<class X>(X const* x) {
@@ -107,7 +104,7 @@ public:
         if (steps)
             for (auto const& s : filters_.steps())
                 *steps++ = {double(s.innovation), double(s.residual), double(s.gamma), std::int32_t(s.health), 0};
-        return std::int32_t(health_ = worst());
+        return health_ = worst();
     }
     std::int32_t update_many(Rows const& rows, bool leave_out) override {
         Index const x_stride = rows.X_stride ? rows.X_stride : size(),
@@ -124,6 +121,7 @@ public:
     void add_outputs(Index more) override {
         expects(more >= 1, "one more output or several");
         filters_.add_outputs(more);
+        shape_.outputs += more;
     }
     void merge(Outputs const& newer) override {
         if constexpr (requires(Filters& f) { f.merge(f); }) {
@@ -131,32 +129,15 @@ public:
             if (!part || part->size() != size() || part->outputs() != outputs())
                 refuse("expected a part of " + described(*this) + ", found " + described(newer));
             expect_newer_part(filters_.filter(), part->filters_.filter());
-            health_ = part == this ? filters_.merge(Filters(filters_)) : filters_.merge(part->filters_);
+            health_ = std::int32_t(part == this ? filters_.merge(Filters(filters_)) : filters_.merge(part->filters_));
             left_out_ += part->left_out_;
         } else {
             refuse(std::string(variant()) + " does not merge; qr_block does");
         }
     }
-    void theta(double* out) const override {
-        Eigen::Map<Eigen::Matrix<double, Dynamic, Dynamic, Eigen::RowMajor>> to(out, size(), outputs());
-        if (health_ == Health::undetermined && known() == health_) to.setConstant(undefined<double>());
-        else to = filters_.theta().template cast<double>();
-    }
-    bool reports_covariance() const override { return ReportsCovariance<F>; }
-    void matrix(double* out) const override {
-        Eigen::Map<Matrix<double>> to(out, size(), size());
-        if constexpr (ReportsCovariance<F>) to = filters_.covariance().template cast<double>();
-        else to = filters_.filter().information().template cast<double>();
-    }
-    void factor(double* out) const override {
-        Eigen::Map<Matrix<double>>(out, size(), size()) =
-            root_in(filters_.filter().stored(), variant()).template cast<double>();
-    }
-    std::int32_t health() const override { return std::int32_t(health_); }
-    std::int64_t left_out() const override { return left_out_; }
     void reset() override {
         filters_ = Filters(problem_, outputs());
-        health_ = started(), left_out_ = 0;
+        health_ = started(problem_), left_out_ = 0;
     }
     std::size_t save(std::span<std::byte> to) const override {
         return to.empty() ? rlslab::state_size(filters_) : rlslab::save(filters_, to);
@@ -169,15 +150,30 @@ public:
     std::unique_ptr<Outputs> clone() const override { return std::make_unique<OutputsIn>(*this); }
 
 private:
-    Health started() const { return problem_.prior ? Health::sound : Health::undetermined; }
+    static std::int32_t started(Problem<T> const& problem) {
+        return std::int32_t(problem.prior ? Health::sound : Health::undetermined);
+    }
     /// Of the rows so far, where there was no last one: as a row of zeros tells, and the first theta.
-    Health known() const {
+    std::int32_t known() const {
         Filters next = filters_;
         std::vector<T> const psi(size_t(size()), T(0)), y(size_t(outputs()), T(0));  // no symbol of Eigen's
         bool open = !all_finite<T>(filters_.filter().theta());
         for (auto const& step : next.update({psi.data(), size()}, {y.data(), outputs()}))
             open = open || step.health == Health::undetermined;
-        return open ? Health::undetermined : Health::sound;
+        return std::int32_t(open ? Health::undetermined : Health::sound);
+    }
+    void copy(Part part, double* to) const override {
+        if (part == Part::theta) {
+            Eigen::Map<Eigen::Matrix<double, Dynamic, Dynamic, Eigen::RowMajor>> theta(to, size(), outputs());
+            if (health_ == std::int32_t(Health::undetermined) && known() == health_)
+                theta.setConstant(undefined<double>());
+            else theta = filters_.theta().template cast<double>();
+            return;
+        }
+        Eigen::Map<Matrix<double>> matrix(to, size(), size());
+        if (part == Part::factor) matrix = root_in(filters_.filter().stored(), variant()).template cast<double>();
+        else if constexpr (ReportsCovariance<F>) matrix = filters_.covariance().template cast<double>();
+        else matrix = filters_.filter().information().template cast<double>();
     }
 };
 
