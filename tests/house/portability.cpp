@@ -172,7 +172,7 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
 }
 
 constexpr char digest_source[] = RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp",
-               digest_options[] = "-O1 -ffp-contract=off -DNDEBUG ";
+               digest_options[] = "-O1 -ffp-contract=off -DNDEBUG -I " RLSLAB_SOURCE_DIR " ";
 void expect_the_bits_of_this_machine(std::string const& command) {
     Outcome const there = shell(command + " all"), here = shell(RLSLAB_DIGEST " all");
     EXPECT_EQ(there.code, 0);

@@ -15,11 +15,12 @@
 // then y. Every language computes them exactly, and float holds them. Hash: of the bytes b of numbers as binary64, the
 // lowest first, h = (m h + b) mod 4294967291 from 1 on, for m = 257 and for m = 65599: a language without integers of
 // 64 bits has them in binary64. One NaN for all.
+#include "tests/portability/digest.hpp"
+
+#include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/excitation.hpp>
-#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/remove.hpp>
-#include <rlslab/adapt/rules.hpp>
 #include <rlslab/adapt/sample.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
@@ -27,65 +28,11 @@
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/core/rounding.hpp>
-#include <rlslab/many/output_fleet.hpp>
-#include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
-#include <cstdio>
-#include <fstream>
-#include <string>
-
-namespace rlslab {
+namespace rlslab::digests {
 namespace {
 
-constexpr Index d = 5;
-
-struct Numbers {
-    std::uint32_t s = 1;
-    double next() {
-        s = 1664525 * s + 1013904223;
-        return (s >> 8) / 8388608.0 - 1;
-    }
-};
-struct Hash {
-    std::uint64_t first = 1, second = 1;
-    void add(std::byte byte) {
-        first = (257 * first + std::uint64_t(byte)) % 4294967291;
-        second = (65599 * second + std::uint64_t(byte)) % 4294967291;
-    }
-    void add(double x) {
-        std::uint64_t const bits = detail::bits_of(x == x ? x : std::numeric_limits<double>::quiet_NaN());
-        for (int i = 0; i < 8; ++i) add(std::byte(bits >> (8 * i) & 255));
-    }
-    template <class Derived>
-    void add(Eigen::DenseBase<Derived> const& A) {
-        for (Index j = 0; j < A.cols(); ++j)
-            for (Index i = 0; i < A.rows(); ++i) add(static_cast<double>(A(i, j)));
-    }
-    void print(std::string const& what) const {
-        std::printf("%s %08llx%08llx\n", what.c_str(), static_cast<unsigned long long>(first),
-                    static_cast<unsigned long long>(second));
-    }
-};
-template <class F>
-std::string name_of_type() {
-    return std::string(F::name) + " " + std::string(ArithmeticTraits<typename F::scalar>::name);
-}
-
-template <class F>
-void take(F& filter, int rows, Numbers& numbers) {
-    using T = typename F::scalar;
-    for (int k = 0; k < rows; ++k) {
-        Vector<T> psi(d);
-        for (T& x : psi) x = T(numbers.next());
-        filter.update(psi, T(numbers.next()));
-    }
-}
-void save_in(std::string const& path, auto const& filter) {
-    auto const state = state_of(filter);
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<char const*>(state.data()), std::streamsize(state.size()));
-}
 template <class F>
 int after_1000_rows(std::string const& verb, std::string const& folder) {
     using T = typename F::scalar;
@@ -111,78 +58,6 @@ int after_1000_rows(std::string const& verb, std::string const& folder) {
     else hash.add(Matrix<T>(filter.information()));
     hash.print(name_of_type<F>());
     return 0;
-}
-template <class F>
-void composed(F filter, std::string const& folder, std::string const& name) {
-    Numbers numbers;
-    take(filter, 100, numbers);
-    save_in(folder + "/" + name, filter);
-    take(filter, 100, numbers);
-    Hash hash;
-    hash.add(Vector<typename F::scalar>(filter.theta()));
-    hash.print(name);
-}
-
-template <class F>
-void several_outputs() {
-    using T = typename F::scalar;
-    MultiOutput<F> filter(Problem<T>{.size = d, .forgetting = T(0.9921875)}, 3);
-    Numbers numbers;
-    Matrix<T> X(d, 620), Y(3, 620);
-    for (Index k = 0; k < X.cols(); ++k) {
-        for (Index i = 0; i < d; ++i) X(i, k) = T(numbers.next());
-        for (Index j = 0; j < 3; ++j) Y(j, k) = T(numbers.next());
-    }
-    auto const row = [&](Index k) { filter.update(X.col(k), Y.col(k)); };
-    for (Index k = 0; k < 20; ++k) row(k);
-    Index at_once = 64;
-    if constexpr (TakesBlocks<F>) at_once = F::block;
-    for (Index k = 20; k < 620; k += at_once) {
-        Index const count = std::min(at_once, 620 - k);
-        if constexpr (requires { filter.update_block(X, Y); })
-            filter.update_block(X.middleCols(k, count), Y.middleCols(k, count).transpose());
-        else
-            for (Index i = k; i < k + count; ++i) row(i);
-    }
-    Hash hash;
-    hash.add(filter.theta().transpose());
-    for (std::byte const byte : state_of(filter)) hash.add(byte);
-    hash.print(name_of_type<F>());
-}
-
-/// Two outputs, where P is reported: else one. Real ones with weights.
-template <class F>
-void output_fleet() {
-    using Fleet = OutputFleet<F>;
-    using N = typename Fleet::number;
-    using T = typename Fleet::real;
-    Index const M = 11, m = ReportsCovariance<F> ? 2 : 1;
-    Fleet fleet(M, {.size = d, .forgetting = T(0.9921875)}, m);
-    Numbers numbers;
-    std::vector<N> psi(size_t(M * d)), y(size_t(M * m));
-    std::vector<T> w(static_cast<size_t>(M));
-    auto const draw = [&](std::vector<N>& to) {
-        for (N& x : to) {
-            if constexpr (ComplexScalar<N>) x.re = T(numbers.next()), x.im = T(numbers.next());
-            else x = T(numbers.next());
-        }
-    };
-    for (int k = 0; k < 60; ++k) {
-        draw(psi), draw(y);
-        for (int i = 0; i < M; ++i) w[size_t(i)] = T((k + i) % 5) / 2;
-        fleet.update(psi.data(), y.data(), ComplexScalar<N> ? nullptr : w.data(), nullptr);
-    }
-    Hash hash;
-    for (Index i = 0; i < M; ++i) {
-        Matrix<N> const theta = fleet.theta(i).transpose();
-        for (N const& x : theta.reshaped()) {
-            hash.add(double(real_part(x)));
-            if constexpr (ComplexScalar<N>) hash.add(double(x.im));
-        }
-    }
-    for (std::byte const byte : state_of(fleet)) hash.add(byte);
-    hash.print(std::string(F::name) + (ComplexScalar<N> ? " complex " : " fleet ") +
-               std::string(ArithmeticTraits<T>::name));
 }
 /// What a filter does not answer is not in the hash.
 template <class F>
@@ -294,11 +169,15 @@ void lanes() {
 }
 
 }  // namespace
-}  // namespace rlslab
+}  // namespace rlslab::digests
 
 int main(int count, char** arguments) {
     using namespace rlslab;
+    using namespace rlslab::digests;
     std::string const verb = count > 1 ? arguments[1] : "", folder = count > 2 ? arguments[2] : "";
+#ifdef RLSLAB_DIGESTS_OF_DOORS
+    if (of_doors(verb, folder)) return 0;
+#endif
     if (verb == "all") {
         for (std::string_view const fault : rounding_faults()) std::printf("%s\n", fault.data());
         everything_in<float>();
@@ -310,35 +189,9 @@ int main(int count, char** arguments) {
         output_fleet<Ud<Complex<Pack<float, 8>>>>(), output_fleet<Gentleman<Complex<Pack<double, 8>>>>();
         PrecisionScope const precision(12);
         everything<Ud<VariablePrecision>>(5);
-    } else if (verb == "composed") {
-        Problem<float> const f{.size = d, .forgetting = 0.99f};
-        Problem<double> const p{.size = d, .forgetting = 0.99};
-        composed(Guarded<Windowed<Ud<float>>>(Windowed<Ud<float>>(f, {.rows = 30}), f), folder, "windowed");
-        composed(
-            Guarded<Forgetting<Carlson<double>, Kulhavy<double>>, rebuilding>(p, {.innovation = 4, .rebuild_rows = 7}),
-            folder, "ruled");
-        composed(Forgetting<Qr<double>, Fortescue<double>>(p, {.noise_variance = 1e-6}), folder, "fortescue");
-    } else if (verb == "complex" || verb == "fleets") {
-        auto const left_by = []<class F>() {
-            if constexpr (InLockstep<F> && (ComplexScalar<typename F::scalar> || ReportsCovariance<F>))
-                output_fleet<F>();
-        };
-        if (verb == "complex") {
-            for_each(Variants<Complex<Pack<float, 8>>>{}, left_by);
-            for_each(Variants<Complex<Pack<double, 8>>>{}, left_by);
-        } else {
-            for_each(Variants<Pack<float, 8>>{}, left_by);
-            for_each(Variants<Pack<double, 8>>{}, left_by);
-        }
     } else if (verb == "asked") {
         asked_in<float>();
         asked_in<double>();
-    } else if (verb == "outputs") {
-        auto const left_by = []<class F>() {
-            if constexpr (requires { typename MultiOutput<F>; }) several_outputs<F>();
-        };
-        for_each(Variants<float>{}, left_by);
-        for_each(Variants<double>{}, left_by);
     } else {
         int code = 0;
         for_each(Variants<float>{}, [&]<class F>() { code |= after_1000_rows<F>(verb, folder); });
