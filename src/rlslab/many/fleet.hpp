@@ -77,7 +77,8 @@ public:
         return update_all<true, false>(psi, y, nullptr, &steps, threads);
     }
     /// The same of Weighted filters, with a weight w for each sample; one that is negative or not finite makes it
-    /// missing. Throws std::invalid_argument also unless w has M numbers.
+    /// missing. Of w = 0 psi and y may be anything: time passes. Throws std::invalid_argument also unless w has M
+    /// numbers.
     Index update_weighted(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
                           Eigen::Ref<Vector<number> const> const& w, FleetSteps<number>& steps, unsigned threads = 1)
         requires detail::TakesWeights<F>
@@ -354,17 +355,17 @@ private:
         own.counts = {};
         for (Index g = first; g < last; ++g) {
             Index const from = g * lanes, here = std::min<Index>(lanes, filters_ - from);
-            pack output = loaded(y.data() + from, here);
-            Mask present = isfinite(output);
-            [[maybe_unused]] pack weight(number(1));
-            if constexpr (weighs) {
-                weight = loaded(w + from, here);
-                present = present && isfinite(weight) && pack() <= weight;
-            }
-            for (Index i = 0; i < size_; ++i) {
-                row[i] = loaded(psi.col(i).data() + from, here);
-                present = present && isfinite(row[i]);
-            }
+            pack weight(number(1));
+            if constexpr (weighs) weight = loaded(w + from, here);
+            Mask present = isfinite(weight) && pack() <= weight;
+            auto const sample = [&](number const* of_all) {
+                pack x = loaded(of_all + from, here);
+                if constexpr (weighs) x = select(weight == pack(), pack(), x);
+                present = present && isfinite(x);
+                return x;
+            };
+            pack output = sample(y.data());
+            for (Index i = 0; i < size_; ++i) row[i] = sample(psi.col(i).data());
             bool const whole = all(present) && all_alive(g);
             if (!whole) {
                 present = present && Mask(alive_[size_t(g)]);
