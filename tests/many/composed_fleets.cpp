@@ -37,24 +37,6 @@ TEST(WeightedFleet, TakesAWeightForEachSample) {
     expect_fleets_of<double, 8>([]<class T>(Problem<T> const& p) { return Weighted<Ud<T, 3>>(p); });
 }
 
-/// Its time passes, whatever psi and y are; of a weight that is none it does not.
-TEST(WeightedFleet, OfNoWeightAnyRowPassesTime) {
-    Problem<double> const problem{.size = 3, .forgetting = 0.5};
-    Fleet<Weighted<Ud<Pack<double, 8>, 3>>> fleet(9, problem);
-    Weighted<Ud<double, 3>> passed(problem), alone(problem);
-    double const nan = std::nan("");
-    Matrix<double> psi = Matrix<double>::Constant(9, 3, nan);
-    Vector<double> y = Vector<double>::Constant(9, nan), w = Vector<double>::Zero(9);
-    w[1] = nan, w[2] = 1, psi(8, 1) = 1;
-    FleetSteps<double> steps(9);
-    EXPECT_EQ(fleet.update_weighted(psi, y, w, steps), 2);
-    passed.missing();
-    for (Index i = 0; i < 9; ++i) {
-        EXPECT_EQ(state_of(fleet.filter(i)), state_of(i == 1 || i == 2 ? alone : passed)) << i;
-        EXPECT_EQ(steps.health[size_t(i)], i == 1 || i == 2 ? Health::nonfinite : Health::sound) << i;
-    }
-}
-
 /// Options are the fleet's: a guard's, too.
 TEST(GuardedFleet, FiltersTakeTheOptionsOfTheFleet) {
     auto const make = []<class T>(Problem<T> const& problem) {

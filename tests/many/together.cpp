@@ -109,7 +109,8 @@ struct Story {
         for (Index i = 0; i < Index(alone.size()); ++i) {
             Alone* const mine = alone[std::size_t(i)].get();
             Row<double> const& row = now[std::size_t(i)];
-            bool const taken = mine && row.psi.allFinite() && std::isfinite(row.y) && row.w >= 0;
+            bool const whole = row.psi.allFinite() && std::isfinite(row.y);
+            bool const taken = mine && row.w >= 0 && (whole || row.w == 0);
             if (with_steps) claim(fleet->took(i) == taken, "what was taken");
             claim(fleet->alive(i) == bool(mine), "what is there");
             if (!mine) claim(fleet->has_no_theta(i), "what was removed has no theta");
