@@ -18,7 +18,8 @@ changes = [(r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" / ", " * "),
            (r" > ", " >= "), (r" >= ", " > "), (r" == ", " != "), (r" != ", " == "), (r" && ", " || "),
            (r" \|\| ", " && "), (r" \+= ", " -= "), (r" -= ", " += "), (r"\btrue\b", "false"), (r"\bfalse\b", "true"),
            (r"\+\+(?=\w)", "--"), (r"\bmax\(", "min("), (r"\bmin\(", "max("), (r"return -", "return ")]
-rooms = {"core": ["core", "linalg"], "arithmetic": ["arithmetic"], "linalg": ["linalg", "variants"], "reference": ["reference", "model"],
+rooms = {"core": ["core", "linalg"], "arithmetic": ["arithmetic"], "linalg": ["linalg", "variants"],
+         "reference": ["reference", "model"],
          "input": ["input"], "model": ["model"], "state": ["state"], "adapt": ["adapt"], "many": ["many"],
          "variants": ["variants"], "fast": ["fast"], "catalogue": ["catalogue", "capi"]}
 

@@ -4,10 +4,12 @@
 //   digest              1000 rows, float and double, 5 parameters: theta, K, and P or P^-1 by columns
 //   digest save DIR     also saves the states after 500 rows: DIR/VARIANT.ARITHMETIC
 //   digest load DIR     starts from those states
+// and, where of_doors.cpp is linked:
 //   digest composed DIR saves states of compositions after 100 rows; theta after 200
 //   digest outputs      20 rows and 600 more at once of three outputs: theta by rows, and the state
 //   digest complex      60 rows of eleven complex filters: theta, and the state
 //   digest fleets       60 weighted rows of eleven filters of two outputs, likewise
+// and again of both:
 //   digest asked        100 rows of the weights (k mod 5) / 2, a removal, psi'P psi, draws, the least excited direction
 //   digest all          300 rows, more arithmetics and sizes: every step and report, and the state; and what is asked
 //
@@ -192,10 +194,13 @@ int main(int count, char** arguments) {
     } else if (verb == "asked") {
         asked_in<float>();
         asked_in<double>();
-    } else {
+    } else if (verb.empty() || verb == "save" || verb == "load") {
         int code = 0;
         for_each(Variants<float>{}, [&]<class F>() { code |= after_1000_rows<F>(verb, folder); });
         for_each(Variants<double>{}, [&]<class F>() { code |= after_1000_rows<F>(verb, folder); });
         return code;
+    } else {
+        std::fprintf(stderr, "%s: no verb of this program\n", verb.c_str());
+        return 2;
     }
 }
