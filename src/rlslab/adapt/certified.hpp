@@ -177,11 +177,11 @@ private:
     /// (2): X0 = A D A', of double's probes in pairs: the start of F, whose rounding P0 multiplies, is part of E.
     template <class Word>
     void begin(Problem<Word> exact, int lane) {
-        auto const get = [lane](auto const& x) {
+        auto const get = [&](auto const& x) {
             if constexpr (requires { L::lanes; }) return Word(double(x[lane]));
             else return Word(x);
         };
-        auto const add = [lane](L& sum, Word const& x) {
+        auto const add = [&](L& sum, Word const& x) {
             if constexpr (requires { L::lanes; }) sum.set(lane, sum[lane] + double(x));
             else sum += static_cast<L>(x);
         };

@@ -316,7 +316,7 @@ private:
         requires(solves)
     {
         auto const f = detail::last_row(filter_);
-        T const root(std::ldexp(1.0, std::min(max_exponent<T>() / 2, 500)));
+        T const root = static_cast<T>(std::ldexp(1.0, std::min(max_exponent<T>() / 2, 500)));
         for (size_t j = 1; j < theta_.size(); ++j) {
             bool small = true;
             for (Index i = 0; i < psi_.size(); ++i) small = small && absolute(theta_[j][i]) < root;
