@@ -86,7 +86,7 @@ std::string obstacle(Composition const& c, std::string_view variant) {
         return !a.inflates      ? "takes no P + c a a': its square root of P is no triangle"
                : !a.information ? "has psi'P^-1 psi not at hand: it stores P, or no triangle"
                                 : "lacks an operation that the rule needs";
-    if (!c.guard.empty() && !a.guardable) return "cannot be restarted by a guard";
+    if (!a.guardable && (c.window > 0 || !c.guard.empty())) return "cannot look at a row before it takes it";
     return "";
 }
 

@@ -165,7 +165,7 @@ int study_whole(StudyArguments const& a) {
     std::vector<std::string> const changed = changes(outcomes, a.known), broken = failed_verifications(outcomes);
     text += listed("Changed against the recorded verdicts (of seed 1):", changed);
     text += listed("Verifications that fail:", broken);
-    text += listed("Not in the record:", a.known.empty() ? std::vector<std::string>{} : unrecorded(outcomes, a.known));
+    if (a.record.empty() && !a.known.empty()) text += listed("Not in the record:", unrecorded(outcomes, a.known));
     if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
     text += count_lines(outcomes);
     size_t undecided = 0;
