@@ -3,7 +3,6 @@
 #include <rlslab/catalogue/composed.hpp>
 #include <rlslab/catalogue/erase.hpp>
 #include <rlslab/catalogue/native/compose.hpp>
-#include <rlslab/catalogue/native/composing.hpp>
 
 namespace rlslab {
 namespace {
@@ -57,11 +56,5 @@ std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::st
     if (arithmetic == "reference") return composed_in<Reference>(composition, variant, problem);
     return nullptr;
 }
-
-// In 257 bits: the native ones' text, in the arithmetic that they are measured by.
-template std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named(std::string_view,
-                                                                                          Problem<Reference> const&);
-template AnyAdaptive<Reference> composed_around(Composition const&, GuardOptions<double> const&, std::string_view,
-                                                Problem<Reference> const&);
 
 }  // namespace rlslab
