@@ -1,5 +1,5 @@
 // Every text of the tree can be read in one window and fetches nothing: its lines are within the width, no address of a
-// registry.
+// registry. No source takes a number of libm.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string_view>
 
 namespace rlslab {
@@ -94,6 +95,30 @@ TEST(TextFiles, NothingThatIsRunHoldsAnAddress) {
     }
     EXPECT_TRUE(fetches("curl -O https://example.org/rlslab.tar.gz"));
     EXPECT_FALSE(fetches("apt-get install rlslab  # at any speed: 1 / 2"));
+}
+
+/// Lines that call libm for a number that may reach data or tables.
+std::vector<std::string> calls(std::istream&& lines) {
+    static std::regex const call(
+        "(std|math)::(pow|exp|exp2|expm1|log|log2|log10|log1p|a?(sin|cos|tan)h?|atan2|cbrt|hypot|lgamma|tgamma|erfc?|"
+        "polar|arg)\\(|"
+        "boost/math/(distributions|special)");
+    std::vector<std::string> out;
+    for (std::string line; std::getline(lines, line);)
+        if (std::regex_search(line, call)) out.push_back(line);
+    return out;
+}
+TEST(TextFiles, NoSourceCallsLibm) {
+    for (char const* part : {"src", "variants", "studies"})
+        for (auto const& file : fs::recursive_directory_iterator(root / part))
+            if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp") {
+                EXPECT_THAT(calls(std::ifstream(file.path())), testing::IsEmpty())
+                    << file.path() << ": <rlslab/arithmetic/elementary.hpp> rounds correctly";
+            }
+    EXPECT_EQ(calls(std::istringstream(
+                        "double y = std::log10(x);\nauto z = log(Reference(2)) + std::sqrt(2) + correctly::log(3);\n"))
+                  .size(),
+              1u);
 }
 
 }  // namespace

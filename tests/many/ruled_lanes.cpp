@@ -1,7 +1,10 @@
-// Rules of forgetting in packs and fleets, around forms that propagate P.
+// Rules of forgetting in packs and fleets.
 #include "tests/many/lanes.hpp"
 
 #include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/information.hpp>
+#include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/qr_block.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -25,6 +28,18 @@ TEST(RuledLanes, HaveTheBitsOfTheirOwnRuleWhereTheSizeIsNotKnown) {
 TEST(RuledFleet, EachFilterIsRuledAlone) {
     together::expect_fleets_of<double, 8>(Ruled<Symmetric, CovarianceReset, 3>{});
     together::expect_fleets_of<double, 4>(Ruled<Ud, RotatingRidge, Dynamic>{});
+}
+TEST(RuledLanes, HaveTheBitsOfTheirOwnRuleInFormsOfTheInverse) {
+    expect_lanes_to_be_ruled_by_each<Qr>();
+    expect_lanes_to_be_ruled_by_each<Gentleman>();
+    expect_lanes_to_be_ruled_by_each<Information>();
+}
+TEST(RuledLanes, HaveTheBitsOfTheirOwnRuleInFloat) {
+    expect_lanes_to_be_ruled<Gentleman, Kulhavy, float>();
+    expect_lanes_to_be_ruled<Gentleman, CovarianceReset, float>();
+}
+TEST(RuledFleet, EachFilterIsRuledAloneInFormsOfTheInverse) {
+    together::expect_fleets_of<double, 8>(Ruled<Qr, Kulhavy, 3>{});
 }
 TEST(RuledLanes, RefuseNumbersThatAreNotAlike) {
     using P = Pack<double, 4>;

@@ -1,18 +1,24 @@
-// What the digests are of, and how they are printed: digest.cpp.
+// What the digests are of, how they are printed, and by which verbs: digest.cpp.
 #pragma once
 
-#include <rlslab/arithmetic/format.hpp>
-#include <rlslab/core/concept.hpp>
+#include <rlslab/adapt/outputs.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/many/output_fleet.hpp>
 #include <rlslab/state/state.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <string>
 
 namespace rlslab::digests {
 
 inline constexpr Index d = 5;
+
+/// Each file of the program adds its own, with what it does in a folder; the exit status.
+using Verbs = std::map<std::string, int (*)(std::string const& folder)>;
+inline Verbs verbs;
 
 struct Numbers {
     std::uint32_t s = 1;
@@ -94,7 +100,65 @@ void output_fleet() {
     hash.print(std::string(F::name) + (ComplexScalar<N> ? " complex " : " fleet ") +
                std::string(ArithmeticTraits<T>::name));
 }
-/// composed, outputs, complex, fleets: of_doors.cpp. Whether the verb is one of them.
-bool of_doors(std::string const& verb, std::string const& folder);
+/// The output fleets of all variants that have lanes: of complex numbers, of real ones where P is reported.
+template <class... C>
+int output_fleets(std::string const&) {
+    auto const left_by = []<class F>() {
+        if constexpr (InLockstep<F> && (ComplexScalar<typename F::scalar> || ReportsCovariance<F>)) output_fleet<F>();
+    };
+    (for_each(Variants<C>{}, left_by), ...);
+    return 0;
+}
+template <class F>
+void everything(Index size) {
+    using T = typename F::scalar;
+    F filter(problem_as<T>({.size = size, .forgetting = 0.98}));
+    Seed seed{std::uint64_t(size)};
+    Hash out;
+    for (int k = 0; k < 300; ++k) {
+        Vector<T> psi(size);
+        for (T& x : psi) x = round_to<T>(seed.bell());
+        Step<T> const step = filter.update(psi, round_to<T>(seed.bell() + static_cast<double>(psi[0])));
+        for (T const& x : {step.innovation, step.residual, step.gamma}) out.add(static_cast<double>(x));
+    }
+    auto const stored = filter.stored();
+    out.add(Vector<T>(filter.theta()));
+    out.add(Vector<T>(filter.gain()));
+    out.add(stored.F);
+    out.add(stored.D);
+    for (std::byte const byte : state_of(filter)) out.add(byte);
+    out.print(name_of_type<F>() + " " + std::to_string(size));
+}
+/// Three outputs: 20 rows, then blocks of 40 rows where F takes them.
+template <class F>
+void three_outputs() {
+    using T = typename F::scalar;
+    MultiOutput<F> filter(problem_as<T>({.size = 24, .forgetting = 0.98}), 3);
+    Seed seed{3};
+    auto const drawn = [&](Index rows, Index columns) {
+        Matrix<T> out(rows, columns);
+        for (T& x : out.reshaped()) x = round_to<T>(seed.bell());
+        return out;
+    };
+    for (int k = 0; k < 20; ++k) {
+        Vector<T> const psi = drawn(24, 1), y = drawn(3, 1);
+        filter.update(psi, y);
+    }
+    if constexpr (requires { filter.update_block(drawn(24, 40), drawn(40, 3)); })
+        for (int k = 0; k < 2; ++k) {
+            Matrix<T> const X = drawn(24, 40), Y = drawn(40, 3);
+            filter.update_block(X, Y);
+        }
+    Hash out;
+    for (std::byte const byte : state_of(filter)) out.add(byte);
+    out.print(name_of_type<F>() + " outputs");
+}
+template <class T>
+void everything_in() {
+    for_each(Variants<T>{}, []<class F>() {
+        for (Index const size : {1, 3, 5, 10, 24}) everything<F>(size);
+        if constexpr (requires { typename MultiOutput<F>; }) three_outputs<F>();
+    });
+}
 
 }  // namespace rlslab::digests

@@ -2,6 +2,7 @@
 #include <rlslab/catalogue/native/compose.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
+#include <rlslab/core/complex.hpp>
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/many/threads.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -112,11 +113,20 @@ Problem<double> problem_of_plain(std::string_view variant, std::string_view arit
 std::string no_fleet_of(std::string_view variant) {
     return std::string(variant) + " counts the rows of all filters at once: there is no fleet of it";
 }
+template <Real T>
+std::unique_ptr<Fleet> output_fleet_in(std::string_view variant, Index filters, Index outputs, bool is_complex,
+                                       Problem<T> const& problem) {
+    if (!is_complex) return output_fleet_named(variant, filters, outputs, problem);
+    Problem<Complex<T>> in_complex{.size = problem.size, .forgetting = problem.forgetting};
+    if (problem.prior) in_complex.prior->variance = problem.prior->variance;
+    else in_complex.prior.reset();
+    return output_fleet_named(variant, filters, outputs, in_complex);
+}
 std::unique_ptr<Fleet> output_fleet(std::string_view variant, std::string_view arithmetic, Index filters, Index outputs,
                                     bool is_complex, Problem<double> const& problem) {
     auto out = arithmetic == ArithmeticTraits<float>::name
-                   ? output_fleet_named<float>(variant, filters, outputs, is_complex, problem_in<float>(problem))
-                   : output_fleet_named<double>(variant, filters, outputs, is_complex, problem);
+                   ? output_fleet_in(variant, filters, outputs, is_complex, problem_in<float>(problem))
+                   : output_fleet_in(variant, filters, outputs, is_complex, problem);
     if (!out)
         refuse(is_complex ? no_fleet_of(variant)
                           : std::string(variant) + " reports no P: a fleet of it has one output");

@@ -44,8 +44,8 @@ template <class T>
 std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const&);
 template <class T>
 std::unique_ptr<Outputs> outputs_named(std::string_view variant, Index outputs, Problem<T> const&);
-template <class T>
-std::unique_ptr<Fleet> output_fleet_named(std::string_view variant, Index filters, Index outputs, bool is_complex,
-                                          Problem<T> const&);
+/// Complex numbers of both, too.
+template <class N>
+std::unique_ptr<Fleet> output_fleet_named(std::string_view variant, Index filters, Index outputs, Problem<N> const&);
 
 }  // namespace rlslab::native

@@ -1,5 +1,6 @@
-// Studies that compute in double themselves. FusedDouble: fused means fused, and every other product is rounded.
-// Studies are compiled at -O1. Rounding is defined, so that no byte of a table depends on that: two of them at -O3.
+// Rounding is defined, so that no byte of a study's table depends on the level at which it is compiled (-O1; two of them
+// here at -O3), nor on the libm that a processor selects. FusedDouble: fused means fused, and every other product is
+// rounded.
 #include "studies/published/fused_double.hpp"
 #include "tests/common/program.hpp"
 
@@ -17,6 +18,24 @@ TEST_F(Optimisation, LeavesEachByteOfATable) {
         std::string const table = read(folder / "plain" / (study + ".csv"));
         EXPECT_GT(table.size(), 1000u);
         EXPECT_EQ(without_run(table), without_run(read(folder / "optimised" / (study + ".csv")))) << study;
+    }
+}
+
+std::string const plain = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA ";
+
+class Libm : public Program {};
+
+/// Powers of ten by libm.
+constexpr char powers[] = R"(awk 'BEGIN { for (k = 1; k < 30000; ++k) printf "%.17g\n", 10 ^ (-k / 1000) }')";
+
+TEST_F(Libm, OfAnOlderProcessorLeavesTheSameTables) {
+    if (shell(powers).out == shell(plain + powers).out) GTEST_SKIP() << "this system's libm is the same either way";
+    for (std::string const study : {"residual_size", "sliding_window"}) {
+        EXPECT_EQ(shell("rlslab study " + study + " --budget quick --fresh --out here").code, 0);
+        EXPECT_EQ(shell(plain + "rlslab study " + study + " --budget quick --fresh --out there").code, 0);
+        std::string const table = read(folder / "here" / (study + ".csv"));
+        EXPECT_GT(table.size(), 1000u);
+        EXPECT_EQ(table, read(folder / "there" / (study + ".csv"))) << study;
     }
 }
 

@@ -171,7 +171,8 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
     EXPECT_EQ(tried.code, 0) << tried.text;
 }
 
-constexpr char digest_source[] = RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp",
+constexpr char digest_sources[] =
+    RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp " RLSLAB_SOURCE_DIR "/tests/portability/asked.cpp ",
                digest_options[] = "-O1 -ffp-contract=off -DNDEBUG -I " RLSLAB_SOURCE_DIR " ";
 void expect_the_bits_of_this_machine(std::string const& command) {
     Outcome const there = shell(command + " all"), here = shell(RLSLAB_DIGEST " all");
@@ -197,7 +198,7 @@ TEST_P(Processors, OfAnotherKindLeaveTheSameBits) {
         GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
-    Outcome const built = shell(compiler + headers + digest_options + "-static " + digest_source + " -o " + out);
+    Outcome const built = shell(compiler + headers + digest_options + "-static " + digest_sources + "-o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
     expect_the_bits_of_this_machine(emulator + " " + out);
 }
@@ -214,7 +215,7 @@ TEST(ProcessorsOfPages, WebAssemblyLeavesTheSameBits) {
     std::string const out = (folder.path / "digest.js").string();  // one file: node's own fetch takes no path
     Outcome const built =
         shell("em++" + headers + digest_options + "-s SINGLE_FILE=1 -s TOTAL_STACK=4MB -s INITIAL_MEMORY=64MB " +
-              digest_source + " -o " + out);
+              digest_sources + "-o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
     expect_the_bits_of_this_machine("node " + out);
 }
