@@ -1,6 +1,5 @@
-// Rounding is defined, so that no byte of a study's table depends on the level at which it is compiled (-O1; two of them
-// here at -O3), nor on the libm that a processor selects. FusedDouble: fused means fused, and every other product is
-// rounded.
+// Rounding is defined: no byte of a study's table depends on the level at which it is compiled (-O1; here two at -O3),
+// nor on the libm that a processor selects. FusedDouble: fused means fused, and every other product is rounded.
 #include "studies/published/fused_double.hpp"
 #include "tests/common/program.hpp"
 

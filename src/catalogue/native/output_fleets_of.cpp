@@ -1,5 +1,5 @@
-// Fleets of several outputs of the variants in one kind of numbers, RLSLAB_NUMBERS<RLSLAB_NATIVE>: Complex<float> and the
-// like, eight filters at a time.
+// Fleets of several outputs of the variants in one kind of numbers, RLSLAB_NUMBERS<RLSLAB_NATIVE>: Complex<float> or
+// the like, eight filters at a time.
 #include <rlslab/catalogue/native/fleet_of.hpp>
 
 #include <rlslab/many/output_fleet.hpp>
