@@ -83,6 +83,7 @@ TEST_F(CompareCommand, ExitsWithOneWhereNoVariantIsRecommended) {
     Outcome const none = shell("rlslab compare " + sales + " --no-timings --arithmetic bfloat16,binary16");
     EXPECT_EQ(none.code, 1) << "each has an answer, none of use";
     EXPECT_THAT(none.out, rlslab::Names("bfloat16 2.4 3"));
+    EXPECT_THAT(none.out, Not(HasSubstr(" at least -"))) << "a bound of no digit is none";
     EXPECT_THAT(none.out, Not(HasSubstr("filter(")));
 }
 TEST_F(CompareCommand, TakesOtherNamesOfArithmetics) {

@@ -149,8 +149,8 @@ std::string table_text(Comparison const& c, Paint const& paint, size_t width) {
     return out;
 }
 
-/// "ud 6.4 float, 15.2 double; symmetric at least 3.6, 12.4": the recommended form or the first shown, and the
-/// first of those that have a bound; "".
+/// "ud 6.4 float, 15.2 double; symmetric at least 12.4 double": the recommended form or the first shown, and the first
+/// of those that have a bound, each where a digit is predicted; "".
 std::string predicted_text(Comparison const& c) {
     std::string out;
     for (bool const at_least : {false, true}) {
@@ -162,9 +162,8 @@ std::string predicted_text(Comparison const& c) {
         if (named == c.results.end()) continue;
         std::vector<std::string> digits;
         for (Result const& r : c.results)
-            if (r.entry->variant == named->entry->variant)
-                digits.push_back((r.predicted ? tenths(r.predicted->digits) : "-") +
-                                 (out.empty() ? fmt::format(" {}", r.entry->arithmetic->name) : ""));
+            if (r.entry->variant == named->entry->variant && r.predicted)
+                digits.push_back(fmt::format("{} {}", tenths(r.predicted->digits), r.entry->arithmetic->name));
         out += fmt::format("{}{}{} {}", out.empty() ? "" : "; ", named->entry->variant, at_least ? " at least" : "",
                            fmt::join(digits, ", "));
     }
