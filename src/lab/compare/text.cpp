@@ -149,8 +149,8 @@ std::string table_text(Comparison const& c, Paint const& paint, size_t width) {
     return out;
 }
 
-/// "ud 6.4 float, 15.2 double; symmetric at least 12.4 double": the recommended form or the first shown, and the first
-/// of those that have a bound, each where a digit is predicted; "".
+/// "ud 6.4 float, 15.2 double; symmetric at least 3.6, 12.4": the recommended form or the first shown, and the first of
+/// those that have a bound, where a digit is predicted; "".
 std::string predicted_text(Comparison const& c) {
     std::string out;
     for (bool const at_least : {false, true}) {
@@ -161,9 +161,12 @@ std::string predicted_text(Comparison const& c) {
         if (named == c.results.end()) named = std::ranges::find_if(c.results, is_of);
         if (named == c.results.end()) continue;
         std::vector<std::string> digits;
+        auto const of_same = [&](Result const& r) { return r.entry->variant == named->entry->variant; };
+        bool const whole = std::ranges::all_of(c.results, [&](Result const& r) { return !of_same(r) || r.predicted; });
         for (Result const& r : c.results)
-            if (r.entry->variant == named->entry->variant && r.predicted)
-                digits.push_back(fmt::format("{} {}", tenths(r.predicted->digits), r.entry->arithmetic->name));
+            if (of_same(r) && r.predicted)
+                digits.push_back(tenths(r.predicted->digits) +
+                                 (whole && !out.empty() ? "" : fmt::format(" {}", r.entry->arithmetic->name)));
         out += fmt::format("{}{}{} {}", out.empty() ? "" : "; ", named->entry->variant, at_least ? " at least" : "",
                            fmt::join(digits, ", "));
     }
