@@ -92,8 +92,8 @@ class Asked(_core.Filter):
         Removal
             ``remaining`` 1 - weight psi'P psi, of the P before: the share of what is known along psi that other rows
             said, with the error of that P; ``noise``, the error that the removal made, in units of u / remaining;
-            ``refused``: nothing would remain but rounding, a number is not finite, or weight < 0. Nothing has changed
-            then, and remaining is 0.
+            ``refused``: nothing would remain but rounding (remaining is then 0), or a number is not finite or
+            weight < 0 (NaN). Nothing has changed then.
 
         Raises
         ------

@@ -96,9 +96,13 @@ GuardOptions<double> guard_options_of(Options const& o) {
     return out;
 }
 
+/// Throws std::invalid_argument for a number that T does not hold.
 template <class T>
 Problem<T> problem_in(Problem<double> const& problem) {
-    return problem.mapped<T>([](double x) { return T(x); });
+    return problem.mapped<T>([](double x) {
+        expects(std::isfinite(T(x)) || !std::isfinite(x), "a prior in the arithmetic's range");
+        return T(x);
+    });
 }
 /// What a plain variant is made from.
 Problem<double> problem_of_plain(std::string_view variant, std::string_view arithmetic, Options const& options,
@@ -186,7 +190,10 @@ std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
     if (StateHeader::read(from, found) == StateFault::none)
         text += ": " + printable(StateHeader::text(found.variant)) + " in " +
                 printable(StateHeader::text(found.arithmetic)) + " with " + std::to_string(found.parameters) +
-                " parameters";
+                " parameters" +
+                (fault != StateFault::arithmetic ? ""
+                 : found.lanes > 1               ? ", a fleet"
+                                                 : ", no plain fleet");
     return text;
 }
 

@@ -165,13 +165,8 @@ struct Solved {
 /// Throws InputError where the data do not determine theta.
 Solved solved(Records const& records, CompareOptions const& options, std::function<void()> const& one_more) {
     Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
-    CertifiedSolution without = certified(problem, records, {records.rows()}).front();
+    CertifiedSolution without = determined(records, options.forgetting);
     one_more();
-    if (without.status() == Status::singular)
-        throw InputError(
-            fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
-                        "over {} rows{}",
-                        without.rank(), records.parameters(), records.rows(), constants_text(records)));
     std::optional<DefaultPrior> scaled;
     if (!options.p0) {
         scaled = default_prior(records, options.forgetting);
@@ -348,6 +343,17 @@ void draw(std::vector<CatalogueEntry const*> const& entries, std::vector<Arithme
 }
 
 }  // namespace
+
+CertifiedSolution determined(Records const& records, double forgetting) {
+    Problem<double> const problem{.size = records.parameters(), .forgetting = forgetting, .prior = std::nullopt};
+    CertifiedSolution out = certified(problem, records, {records.rows()}).front();
+    if (out.status() == Status::singular)
+        throw InputError(
+            fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
+                        "over {} rows{}",
+                        out.rank(), records.parameters(), records.rows(), constants_text(records)));
+    return out;
+}
 
 Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
     std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options.composition);

@@ -203,6 +203,9 @@ struct Comparison {
     std::optional<report::Provenance> run = {};              ///< with it JSON, CSV and page say which run they are from
 };
 
+/// Least squares of all rows, without a prior. Throws InputError where they do not determine theta (exact rank).
+CertifiedSolution determined(Records const& records, double forgetting);
+
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent
 /// (exact rank). Its stages are "reference" and "comparing".
 Comparison compare(Records const& records, CompareOptions const& options, report::StagedProgress const& progress = {});

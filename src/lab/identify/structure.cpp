@@ -79,7 +79,9 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
 
 void expect_enough_samples(Record const& record, IdentifyOptions const& options) {
     if (!changes(record.y, record.samples))
-        refuse("{}: column \"{}\" does not change: there is nothing to model", record.file, printable(options.output));
+        refuse("{}: column \"{}\" {}: there is nothing to model", record.file, printable(options.output),
+               std::ranges::all_of(record.y, [](double v) { return std::isnan(v); }) ? "misses all values"
+                                                                                     : "does not change");
     if (!changes(record.y, record.fitted))
         refuse("{}: column \"{}\" does not change over the {} samples that are fitted: expected a smaller --validate",
                record.file, printable(options.output), record.fitted);

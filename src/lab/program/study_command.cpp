@@ -15,6 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <unistd.h>
 
 namespace rlslab::program {
 using namespace report;
@@ -93,6 +94,10 @@ void resolve(StudyArguments& a) {
             throw InputError(fmt::format("{}: does not go with {}", option,
                                          a.options.changed() ? "--set and --seeds: claims are then not judged"
                                                              : "--part: a part has no verdicts"));
+    std::filesystem::path const folder = std::filesystem::path(a.record).parent_path();
+    if (!a.record.empty() && access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)  // now, not after the run
+        throw InputError(fmt::format("--record: {}: cannot be written: {}", printable(a.record, 200),
+                                     std::generic_category().message(errno)));
     if (!a.options.changed()) a.known = a.against.empty() ? recorded(a.options.budget) : record_in(a.against);
 }
 
