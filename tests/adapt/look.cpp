@@ -102,5 +102,12 @@ TEST(Look, RefusesAnotherNumberOfParameters) {
     EXPECT_THROW(detail::look_at(qr, Regressor<double>(psi, 3), 1.0), std::invalid_argument);
 }
 
+/// Where the least numbers are coarse, `qr` does not look by itself: from its form.
+TEST(Look, OfQrInCoarseNumbersIsThatOfItsForm) {
+    using T = Chopped<Format{24, -20, 60}>;
+    static_assert(!LooksFirst<Qr<T, 4>>);
+    check_look<Qr<T, 4>>(1e-5);
+}
+
 }  // namespace
 }  // namespace rlslab

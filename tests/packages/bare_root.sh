@@ -24,7 +24,7 @@ for compiler in g++ clang++; do
   done
   for example in examples/*/CMakeLists.txt; do
     example=${example%/*}
-    [ $example != examples/own_study ] || continue # below, with what the core needs
+    case $example in *own_study | *own_bench) continue ;; esac # below, with what the core needs
     cmake -G Ninja -S $example -B built -DCMAKE_CXX_COMPILER=$compiler -DCMAKE_BUILD_TYPE=Release
     cmake --build built
     (cd built && ctest --output-on-failure --no-tests=error)
@@ -37,7 +37,7 @@ rlslab compare sales.csv --input lead --output sales --order 2 --detrend --no-ti
 cc examples/c/main.c $(pkg-config --cflags --libs rlslab-c) -o from_c
 ./from_c
 apt-get install -y ./librlslab-dev_*.deb libboost-dev libflint-arb-dev libflint-dev libmpfr-dev libgmp-dev libfmt-dev \
-  libtbb-dev
+  libtbb-dev libbenchmark-dev ./rlslab-bench_*.deb
 g++ -g0 consumer/owning.cpp $(pkg-config --cflags --libs rlslab-core) -o with_core
 ./with_core
 cmake -G Ninja -S consumer -B built -DCMAKE_BUILD_TYPE=Debug
@@ -46,15 +46,18 @@ built/with_headers
 built/with_core
 built/with_native
 built/with_catalogue
-cmake -G Ninja -S examples/own_study -B own
-cmake --build own
-(cd own && ctest --output-on-failure --no-tests=error)
+for example in own_study own_bench; do
+  cmake -G Ninja -S examples/$example -B $example
+  cmake --build $example
+done
+(cd own_study && ctest --output-on-failure --no-tests=error)
+own_bench/own_bench --sizes 5 --benchmark_filter=textbook
 if ls ./python3-rlslab_*.deb; then
   apt-get install -y --no-install-recommends ./python3-rlslab_*.deb
   python3 -c 'import rlslab; assert rlslab.Ud(2).update([1.0, 2.0], 5.0).health == "sound"'
   apt-get remove -y python3-rlslab
 fi
-apt-get remove -y rlslab librlslab-dev librlslab1
+apt-get remove -y rlslab rlslab-bench librlslab-dev librlslab1
 test -z "$(find / -xdev -name '*rlslab*' \
   -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"
 END
