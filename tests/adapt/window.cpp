@@ -236,5 +236,15 @@ TEST(Windowed, TakesBackItsFirstRowsFromAnyPrior) {
     }
 }
 
+/// Rows 5 to 9 are parallel: with row 9 the last that says something else has left.
+TEST(Windowed, WithoutAPriorIsUndeterminedWithTheRowThatLeavesThetaOpen) {
+    Windowed<Gentleman<double, 2>> w(Problem<double>{.prior = std::nullopt}, {.rows = 5});
+    for (int k = 0; k < 10; ++k) {
+        double const psi[] = {1, double(k < 5 ? k : 0)};
+        Health const health = w.update(Regressor<double>(psi, 2), 1 + 0.5 * psi[1]).health;
+        EXPECT_EQ(health, 2 <= k && k < 9 ? Health::sound : Health::undetermined) << k;
+    }
+}
+
 }  // namespace
 }  // namespace rlslab

@@ -65,7 +65,7 @@ TEST(Native, WhatIsNoFilterIsRefusedInOneLine) {
                 HasSubstr("symmetric"));
     auto const large = with([](auto& o) { o.prior_variance = 1e300; });
     EXPECT_EQ(refusal_of("ud", "double", large), "");
-    EXPECT_THAT(refusal_of("ud", "float", large), HasSubstr("a prior in the arithmetic's range"));
+    EXPECT_THAT(refusal_of("ud", "float", large), HasSubstr("numbers in the arithmetic's range"));
     EXPECT_THROW(native::make_fleet("ud", "float", 3, large), std::invalid_argument);
     EXPECT_THAT(refusal_of("ud", "double", with([](auto& o) { o.window = -1; })), HasSubstr("window"));
     EXPECT_THAT(refusal_of("ud", "double", with([](auto& o) { o.guard = "rest"; })), HasSubstr("no guard \"rest\""));

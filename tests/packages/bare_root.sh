@@ -55,9 +55,9 @@ own_bench/own_bench --sizes 5 --benchmark_filter=textbook
 if ls ./python3-rlslab_*.deb; then
   apt-get install -y --no-install-recommends ./python3-rlslab_*.deb
   python3 -c 'import rlslab; assert rlslab.Ud(2).update([1.0, 2.0], 5.0).health == "sound"'
-  apt-get remove -y python3-rlslab
+  apt-get purge -y python3-rlslab
 fi
-apt-get remove -y rlslab rlslab-bench librlslab-dev librlslab1
+apt-get purge -y rlslab rlslab-bench librlslab-dev librlslab1
 test -z "$(find / -xdev -name '*rlslab*' \
   -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"
 END

@@ -57,12 +57,12 @@ int of_short_words(std::string const&) {
     everything<Ud<VariablePrecision>>(5);
     return 0;
 }
-int of_all(std::string const&) {
+int asked_of_all(std::string const&) {
     for_each(Variants<float>{}, []<class F>() { asked<F>(); });
     for_each(Variants<double>{}, []<class F>() { asked<F>(); });
     return 0;
 }
-[[maybe_unused]] bool const added = (verbs.insert({{"short", of_short_words}, {"asked", of_all}}), true);
+[[maybe_unused]] bool const added = (verbs.insert({{"short", of_short_words}, {"asked", asked_of_all}}), true);
 
 }  // namespace
 }  // namespace rlslab::digests

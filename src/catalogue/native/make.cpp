@@ -96,11 +96,11 @@ GuardOptions<double> guard_options_of(Options const& o) {
     return out;
 }
 
-/// Throws std::invalid_argument for a number that T does not hold.
+/// Throws std::invalid_argument for a number that is infinite in T.
 template <class T>
 Problem<T> problem_in(Problem<double> const& problem) {
     return problem.mapped<T>([](double x) {
-        expects(std::isfinite(T(x)) || !std::isfinite(x), "a prior in the arithmetic's range");
+        expects(std::isfinite(T(x)) || !std::isfinite(x), "numbers in the arithmetic's range");
         return T(x);
     });
 }
@@ -190,10 +190,7 @@ std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
     if (StateHeader::read(from, found) == StateFault::none)
         text += ": " + printable(StateHeader::text(found.variant)) + " in " +
                 printable(StateHeader::text(found.arithmetic)) + " with " + std::to_string(found.parameters) +
-                " parameters" +
-                (fault != StateFault::arithmetic ? ""
-                 : found.lanes > 1               ? ", a fleet"
-                                                 : ", no plain fleet");
+                " parameters" + (found.lanes > 1 ? ", of a fleet" : "");
     return text;
 }
 

@@ -165,7 +165,7 @@ struct Solved {
 /// Throws InputError where the data do not determine theta.
 Solved solved(Records const& records, CompareOptions const& options, std::function<void()> const& one_more) {
     Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
-    CertifiedSolution without = determined(records, options.forgetting);
+    CertifiedSolution without = least_squares(records, options.forgetting);
     one_more();
     std::optional<DefaultPrior> scaled;
     if (!options.p0) {
@@ -344,7 +344,7 @@ void draw(std::vector<CatalogueEntry const*> const& entries, std::vector<Arithme
 
 }  // namespace
 
-CertifiedSolution determined(Records const& records, double forgetting) {
+CertifiedSolution least_squares(Records const& records, double forgetting) {
     Problem<double> const problem{.size = records.parameters(), .forgetting = forgetting, .prior = std::nullopt};
     CertifiedSolution out = certified(problem, records, {records.rows()}).front();
     if (out.status() == Status::singular)

@@ -204,7 +204,7 @@ struct Comparison {
 };
 
 /// Least squares of all rows, without a prior. Throws InputError where they do not determine theta (exact rank).
-CertifiedSolution determined(Records const& records, double forgetting);
+CertifiedSolution least_squares(Records const& records, double forgetting);
 
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent
 /// (exact rank). Its stages are "reference" and "comparing".

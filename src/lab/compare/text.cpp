@@ -153,6 +153,7 @@ std::string table_text(Comparison const& c, Paint const& paint, size_t width) {
 /// those that have a bound, where a digit is predicted; "".
 std::string predicted_text(Comparison const& c) {
     std::string out;
+    bool whole = true;  // in each arithmetic
     for (bool const at_least : {false, true}) {
         auto const is_of = [&](Result const& r) {
             return r.predicted && r.predicted->at_least == at_least && is_shown(c, r.entry->variant);
@@ -162,7 +163,7 @@ std::string predicted_text(Comparison const& c) {
         if (named == c.results.end()) continue;
         std::vector<std::string> digits;
         auto const of_same = [&](Result const& r) { return r.entry->variant == named->entry->variant; };
-        bool const whole = std::ranges::all_of(c.results, [&](Result const& r) { return !of_same(r) || r.predicted; });
+        whole = whole && std::ranges::all_of(c.results, [&](Result const& r) { return !of_same(r) || r.predicted; });
         for (Result const& r : c.results)
             if (of_same(r) && r.predicted)
                 digits.push_back(tenths(r.predicted->digits) +

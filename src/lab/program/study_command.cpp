@@ -15,7 +15,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
-#include <unistd.h>
 
 namespace rlslab::program {
 using namespace report;
@@ -94,10 +93,6 @@ void resolve(StudyArguments& a) {
             throw InputError(fmt::format("{}: does not go with {}", option,
                                          a.options.changed() ? "--set and --seeds: claims are then not judged"
                                                              : "--part: a part has no verdicts"));
-    std::filesystem::path const folder = std::filesystem::path(a.record).parent_path();
-    if (!a.record.empty() && access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)  // now, not after the run
-        throw InputError(fmt::format("--record: {}: cannot be written: {}", printable(a.record, 200),
-                                     std::generic_category().message(errno)));
     if (!a.options.changed()) a.known = a.against.empty() ? recorded(a.options.budget) : record_in(a.against);
 }
 
@@ -153,6 +148,7 @@ int study_part(StudyArguments const& a) {
 int study_whole(StudyArguments const& a) {
     create_folder(a.options.out / "figures");
     create_folder(a.options.out / "tables");
+    if (!a.record.empty()) expect_replaceable(a.record);
     FolderLock const lock(a.options.out);
     remove_leftovers(a.options.out / "tables");
     std::vector<Outcome> const outcomes = run_whole(a.chosen, a);

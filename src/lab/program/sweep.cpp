@@ -157,7 +157,12 @@ Study study_of(Sweep const& sweep, std::uint64_t seed) {
     for (Cell const& order : factors[0].values) {
         double const value = std::get<double>(order);
         Records const& records = given->records[value] = sweep.records(int(value));
-        determined(records, 1);
+        try {
+            least_squares(records, 1);
+        } catch (InputError const& refused) {
+            throw InputError(factors[0].values.size() == 1 ? refused.what()
+                                                           : fmt::format("--vary order={}: {}", value, refused.what()));
+        }
         if (std::ranges::find(factors[2].values, Cell(std::string("scaled"))) == factors[2].values.end()) continue;
         for (Cell const& forgetting : factors[1].values) {  // once for all orders of rows; what it refuses, now
             double const lambda = std::get<double>(forgetting);

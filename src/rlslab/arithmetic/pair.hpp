@@ -13,7 +13,7 @@ namespace rlslab {
 /// root 4 u^2. An infinity or a NaN of `high` is the number, whatever `low` is. No product is fused: the same bits on
 /// every processor. 20, 25, 140 and 70 operations of double. Source: Joldes, Muller & Popescu 2017 (algorithms 6 and
 /// 10); the split: Dekker 1971; the quotient by long division, the root by a Newton step of double's: their bounds are
-/// those of a search (tests/arithmetic/pair.cpp).
+/// those of a search (tests/arithmetic/quad.cpp).
 class Pair {
     double high_ = 0, low_ = 0;
 

@@ -72,12 +72,32 @@ public:
         if (on_disk && ::fsync(file_) != 0) return false;
         return ::close(std::exchange(file_, -1)) == 0;  // a quota or a network may report an error only here
     }
+    bool begun() const { return file_ >= 0; }  ///< false: errno says why
     bool rename_to(std::filesystem::path const& path) {
         if (::rename(name_.c_str(), path.c_str()) != 0) return false;
         unfinished = false;
         return true;
     }
 };
+
+/// What the path names, also where nothing is there.
+std::filesystem::path behind_links(std::filesystem::path target) {
+    std::error_code error;
+    for (int links = 0; links < 40 && is_symlink(std::filesystem::symlink_status(target, error)); ++links)
+        target = target.parent_path() / std::filesystem::read_symlink(target, error);
+    return target;
+}
+/// Two runs in one folder do not write into each other's.
+std::string beside(std::filesystem::path const& target) {
+    std::string const name = target.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + ".new";
+    return target.parent_path() / name;
+}
+bool takes_text_itself(std::filesystem::path const& path) {
+    std::error_code error;
+    std::filesystem::file_status const there = std::filesystem::status(path, error);
+    return exists(there) && !is_regular_file(there) && !is_directory(there);
+}
+std::mutex one_at_a_time;
 
 }  // namespace
 
@@ -88,23 +108,24 @@ void create_folder(std::filesystem::path const& folder) {
 }
 
 void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk) {
-    std::error_code error;
-    std::filesystem::file_status const there = std::filesystem::status(path, error);
-    if (exists(there) && !is_regular_file(there) && !is_directory(there)) return write_into(path, text);
-    static std::mutex one_at_a_time;
+    if (takes_text_itself(path)) return write_into(path, text);
     std::lock_guard const lock(one_at_a_time);
-    std::filesystem::path target = path;
-    for (int links = 0; links < 40 && is_symlink(std::filesystem::symlink_status(target, error)); ++links)
-        target = target.parent_path() / std::filesystem::read_symlink(target, error);  // also where nothing is there
-    std::string const name = target.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + ".new";
-    Unfinished beside(target.parent_path() / name);  // two runs in one folder do not write into each other's
-    if (!beside.write(text, on_disk) || !beside.rename_to(target)) refuse(path, "write", errno);
+    std::filesystem::path const target = behind_links(path);
+    Unfinished unfinished_file(beside(target));
+    if (!unfinished_file.write(text, on_disk) || !unfinished_file.rename_to(target)) refuse(path, "write", errno);
     if (!on_disk) return;
     std::filesystem::path const folder = target.has_parent_path() ? target.parent_path() : ".";
     int const names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (names < 0) return;  // the new name is there, and will be on the disk soon
     ::fsync(names);
     ::close(names);
+}
+
+void expect_replaceable(std::filesystem::path const& path) {
+    if (takes_text_itself(path)) return;
+    std::lock_guard const lock(one_at_a_time);
+    if (std::filesystem::is_directory(path)) refuse(path, "write", EISDIR);
+    if (!Unfinished(beside(behind_links(path))).begun()) refuse(path, "write", errno);
 }
 
 void remove_leftovers(std::filesystem::path const& folder) {

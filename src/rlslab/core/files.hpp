@@ -24,6 +24,9 @@ void create_folder(std::filesystem::path const& folder);
 /// on_disk: waits until the disk has the text, so that the same holds where the machine loses its power; milliseconds.
 void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk = false);
 
+/// Throws FileError where replace_file could not begin: for what is written after hours. Changes nothing.
+void expect_replaceable(std::filesystem::path const& path);
+
 /// Removes the PATH.PID.new files in the folder that killed processes left behind.
 void remove_leftovers(std::filesystem::path const& folder);
 
