@@ -27,7 +27,10 @@ def tables():
         rows = list(csv.reader(open(here.parent / "nist" / f"{set_}.csv")))
         columns = [list(map(number, c)) for c in zip(*rows[1:])]
         yield "NIST", "StRD", set_, "model", "public domain", f"NIST StRD {set_}", rows[0][1:], columns[1:]
-    subprocess.run(["Rscript", here / "tables.R", folder], check=True)
+    try:
+        subprocess.run(["Rscript", here / "tables.R", folder], check=True)
+    except FileNotFoundError:
+        sys.exit("lay_out.py: no Rscript: expected Debian's r-base-core")
     for line in open(folder / "raw" / "names.tsv", encoding="utf-8"):
         package, version, name, kind, licence, title = line.rstrip("\n").split("\t")
         rows = list(csv.reader(open(folder / "raw" / f"{package}.{name}.csv", encoding="utf-8", errors="replace")))
