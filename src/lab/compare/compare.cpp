@@ -33,10 +33,15 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     for (std::string const& name : options.arithmetics) used.push_back(&arithmetic_named(name, "--arithmetic"));
     if (used.empty())
         for (Arithmetic const& arithmetic : arithmetics()) used.push_back(&arithmetic);
+    auto const composes = [](std::string_view name) {
+        return std::ranges::find(composed_arithmetics(), name) != composed_arithmetics().end();
+    };
     for (std::string const& name : options.composition.empty() ? std::vector<std::string>() : options.arithmetics)
-        if (std::ranges::find(composed_arithmetics(), name) == composed_arithmetics().end())
+        if (!composes(name))
             throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
                                          fmt::join(composed_arithmetics(), " and "), name));
+    if (options.certify && std::ranges::none_of(used, composes, &Arithmetic::name))
+        throw InputError(fmt::format("--certify: expected --arithmetic {}", fmt::join(composed_arithmetics(), ", ")));
     // From the shortest to the longest; the catalogue's before others of their length, in its order.
     auto const place = [](Arithmetic const* a) {
         for (size_t i = 0; i < arithmetics().size(); ++i)

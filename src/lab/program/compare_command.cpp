@@ -54,10 +54,6 @@ CompareOptions checked_options(CompareArguments const& a) {
         throw InputError("--all: does not go with --control, --window or --guard, which exist in float and double");
     if (a.all && !options.arithmetics.empty()) throw InputError("--all: does not go with --arithmetic");
     if (!a.all && options.arithmetics.empty()) options.arithmetics = {"float", "double"};
-    bool const probed =
-        std::ranges::any_of(options.arithmetics, [](auto& one) { return one == "float" || one == "double"; });
-    if (options.certify && !a.all && !probed)
-        throw InputError("--certify: expected --arithmetic float, double or both");
     return options;
 }
 

@@ -124,7 +124,8 @@ void replace_file(std::filesystem::path const& path, std::string_view text, bool
 void expect_replaceable(std::filesystem::path const& path) {
     if (takes_text_itself(path)) return;
     std::lock_guard const lock(one_at_a_time);
-    if (std::filesystem::is_directory(path)) refuse(path, "write", EISDIR);
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) refuse(path, "write", EISDIR);
     if (!Unfinished(beside(behind_links(path))).begun()) refuse(path, "write", errno);
 }
 
