@@ -1,6 +1,6 @@
 // Records for the program: simulated ones, in all supported formats, with columns of any name; what excitation says of
 // them; columns that count upwards, as dates and numbers of rows do, and are named where they are regressors.
-#include "src/lab/program/examples.hpp"
+#include "src/lab/program/record_options.hpp"
 #include "tests/common/program.hpp"
 
 #include <rlslab/input/counting.hpp>

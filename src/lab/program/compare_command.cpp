@@ -5,7 +5,6 @@
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/program/composition_options.hpp"
-#include "src/lab/program/examples.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/program/run.hpp"
 

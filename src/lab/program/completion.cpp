@@ -3,7 +3,7 @@
 #include "src/lab/export/export.hpp"
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
-#include "src/lab/program/examples.hpp"
+#include "src/lab/program/record_options.hpp"
 #include "src/lab/program/sweep.hpp"
 
 #include <rlslab/studies/study.hpp>

@@ -1,10 +1,12 @@
-// The record that compare works on: a file, its columns and a model.
+// The record that a command works on: a file or an example, its columns and a model.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
 #include "src/lab/program/commands.hpp"
 
 #include <optional>
+#include <span>
+#include <string_view>
 
 namespace rlslab::program {
 
@@ -42,5 +44,19 @@ struct Question {
 /// read if it is empty and taken from it otherwise, for several models of the same columns; standard input can be read
 /// but once. Throws InputError.
 Question question_of(RecordArguments arguments, std::optional<Columns>* kept = nullptr);
+
+/// Records that the program has in it, each with its model.
+struct Example {
+    std::string_view name, what, source;
+    RecordArguments model;  ///< output, and input and order or regressors
+    std::string_view text;  ///< CSV
+};
+std::span<Example const> examples();
+/// Throws InputError with the names there are.
+Example const& example_named(std::string const& name, std::string const& where);
+
+/// The arguments with the model of their example where they have none of their own. Throws InputError where there are
+/// an example and a FILE.
+RecordArguments with_example(RecordArguments arguments);
 
 }  // namespace rlslab::program

@@ -3,7 +3,7 @@
 #include "src/lab/program/bibliography.hpp"
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
-#include "src/lab/program/examples.hpp"
+#include "src/lab/program/record_options.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/input/suggestion.hpp>

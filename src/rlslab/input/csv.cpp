@@ -1,11 +1,10 @@
-// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number, csv_marks), and here from
+// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_cells), and here from
 // the first rows to the format, and from rows to columns.
 #include <rlslab/input/csv.hpp>
 
 #include <rlslab/input/suggestion.hpp>
-#include <rlslab/input/csv_marks.hpp>
+#include <rlslab/input/csv_cells.hpp>
 #include <rlslab/input/csv_text.hpp>
-#include <rlslab/input/csv_times.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Times are sorted once; the median of their steps is the step.
 #include <rlslab/input/times.hpp>
 
-#include <rlslab/input/csv_number.hpp>
+#include <rlslab/input/csv_cells.hpp>
 #include <rlslab/input/csv_text.hpp>
 
 #include <fmt/format.h>

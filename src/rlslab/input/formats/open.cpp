@@ -1,7 +1,7 @@
 // The first bytes of a file decide which reader is used.
 #include <rlslab/input/formats/open.hpp>
 
-#include <rlslab/input/csv_number.hpp>
+#include <rlslab/input/csv_cells.hpp>
 #include <rlslab/input/csv_text.hpp>
 #include <rlslab/input/formats/gzip.hpp>
 #include <rlslab/input/formats/mat.hpp>
