@@ -2,6 +2,7 @@
 #include "studies/accuracy/test_time_layer.hpp"
 
 #include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/linalg/triangles.hpp>
 #include <rlslab/studies/spectra.hpp>
 
@@ -10,6 +11,7 @@
 #include <limits>
 
 namespace rlslab::studies {
+using detail::product;
 namespace {
 
 constexpr double u = 0x1p-53;
@@ -49,14 +51,6 @@ bool finite(Stored<double> const& s) {
 }
 
 }  // namespace
-
-Matrix<double> product(Matrix<double> const& A, Matrix<double> const& B) {
-    Matrix<double> C = Matrix<double>::Zero(A.rows(), B.cols());
-    for (Index j = 0; j < B.cols(); ++j)
-        for (Index k = 0; k < B.rows(); ++k)
-            for (Index i = 0; i < A.rows(); ++i) C(i, j) += A(i, k) * B(k, j);
-    return C;
-}
 
 double relative_error(Matrix<double> const& exact, Matrix<double> const& found, Index first, Index n) {
     double off = 0, size = 0;

@@ -3,6 +3,7 @@
 #include "studies/accuracy/test_time_layer.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 namespace rlslab::studies {
+using detail::product;
 namespace {
 
 // --- words and states ------------------------------------------------------------------------------------------------

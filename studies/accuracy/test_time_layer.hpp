@@ -45,8 +45,6 @@ Answers answers_of(Stored<double> const& state, double ridge, Matrix<double> con
 
 /// sum ||x_j - xhat_j||^2 / sum ||x_j||^2 over columns [first, first + n), its root; infinite for what is no number.
 double relative_error(Matrix<double> const& exact, Matrix<double> const& found, Index first, Index n);
-/// A B, sums in order.
-Matrix<double> product(Matrix<double> const& A, Matrix<double> const& B);
 
 /// H = g H + k k', its upper triangle, each operation in T.
 template <class T>

@@ -1,6 +1,7 @@
 // P -= K G' by blocks of rows, Joseph's form by blocks, QR of blocks and normal equations, in float and double.
 // Longer than 150 lines: the published updates, which the library does not have, and 19 predictions.
 #include <rlslab/catalogue/round_to.hpp>
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -13,19 +14,9 @@
 #include <cmath>
 
 namespace rlslab::studies {
+using detail::product;
 namespace {
 
-/// A B, or A B' where `turned`: each sum from the first product to the last.
-template <class T>
-Matrix<T> times(Matrix<T> const& A, Matrix<T> const& B, bool turned = false) {
-    Matrix<T> C = Matrix<T>::Zero(A.rows(), turned ? B.rows() : B.cols());
-    for (Index j = 0; j < C.cols(); ++j)
-        for (Index k = 0; k < A.cols(); ++k) {
-            T const b = turned ? B(j, k) : B(k, j);
-            for (Index i = 0; i < C.rows(); ++i) C(i, j) += A(i, k) * b;
-        }
-    return C;
-}
 /// S^-1 by Gauss and Jordan with pivots.
 template <class T>
 Matrix<T> inverse_of(Matrix<T> const& S) {
@@ -85,18 +76,18 @@ struct Published {
     template <class Perturb>
     void update_block(Matrix<T> const& X, Matrix<T> const& y, Perturb perturb) {
         Index const k = X.cols();
-        Matrix<T> const G = times(P, X), Xt = X.transpose();
-        Matrix<T> S = times(Xt, G);
-        Matrix<T> e = y - times(Xt, theta);
+        Matrix<T> const G = product(P, X), Xt = X.transpose();
+        Matrix<T> S = product(Xt, G);
+        Matrix<T> e = y - product(Xt, theta);
         T weight(1);
         for (Index j = 0; j < k; ++j) S(j, j) += weight *= lambda;
-        Matrix<T> K = inverse ? times(G, inverse_of(S)) : divided(G, S);
+        Matrix<T> K = inverse ? product(G, inverse_of(S)) : divided(G, S);
         perturb(K);
-        P -= inverse ? times(K, times(Xt, P)) : times(K, G, true);
+        P -= inverse ? product(K, product(Xt, P)) : product(K, Matrix<T>(G.transpose()));
         P /= weight;
         if (inverse)
             for (T left(1), *at = e.data() + k; at-- != e.data(); left *= lambda) *at *= left;
-        theta += times(inverse ? times(P, X) : K, e);
+        theta += product(inverse ? product(P, X) : K, e);
     }
 };
 
@@ -119,7 +110,7 @@ struct Data {
         for (Index k = 0; k < count; ++k) {
             Matrix<double> x = bells(d, 1);
             if (t.text("rows") == "features") {
-                Matrix<double> const z = bells(16, 1), signal = times(W, z);
+                Matrix<double> const z = bells(16, 1), signal = product(W, z);
                 for (Index i = 0; i < d; ++i) x(i) = std::max(0.0, signal(i) / 4 + 0.3 * x(i));
             } else {
                 for (Index i = 0; i < d; ++i) x(i) *= correctly::exp(-double(i) * down);

@@ -321,6 +321,20 @@ TEST_F(Coloured, InWhiteNoiseAllThreeAgree) {
     EXPECT_LT(m.noise_model->farthest, 0.3);
     EXPECT_EQ(m.cure, "");
 }
+/// Eigen cuts products of more than some 250 terms by the sizes of the processor's caches.
+TEST_F(Coloured, NoNumberFollowsTheProcessorsCaches) {
+    std::array const here{Eigen::l1CacheSize(), Eigen::l2CacheSize(), Eigen::l3CacheSize()};
+    auto const with = [](std::ptrdiff_t first) {
+        Eigen::setCpuCacheSizes(first, 8 * first, 64 * first);
+        Identified const m = of(record(1500, 3, {0.5}), {.noise_model = 2, .instruments = 3});
+        std::vector<double> out;
+        for (auto const& cured : {m.noise_model, m.instruments})
+            for (CuredParameter const& p : cured->parameters) out.insert(out.end(), {p.value, p.sd});
+        return out;
+    };
+    EXPECT_EQ(with(0x4000), with(0xc000));
+    Eigen::setCpuCacheSizes(here[0], here[1], here[2]);
+}
 /// z^2 of each parameter has the mean 1; over 60 records of 4 parameters its standard deviation is 0.1 at most if they
 /// move apart, 0.19 if together.
 TEST_F(Coloured, TheDeviationsAreThoseOfManyRecords) {

@@ -3,6 +3,7 @@
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/score.hpp"
 
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/linalg/triangles.hpp>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 
 namespace rlslab::compare {
 using namespace report;
+using detail::product;
 namespace {
 
 double digits_in_norm(Matrix<Reference> const& x, Matrix<Reference> const& exact) {
@@ -170,7 +172,7 @@ std::optional<Probed> probed(CatalogueEntry const& entry, RoundedProblem const& 
     Certificate<double> const found = filter->certificate().value();
     Probed out{found.estimate, found.bound, {}};
     if (entry.variant == "information" || !information) return out;
-    Matrix<Reference> E = covariance(*filter) * *information;
+    Matrix<Reference> E = product(covariance(*filter), *information);
     Matrix<Reference> const P0 = prior_of(rounded.problem);
     Reference sum = 0;
     for (Index j = 0; j < E.cols(); ++j)

@@ -2,6 +2,8 @@
 #include "src/lab/compare/prior_law.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/linalg/dot.hpp>
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/qr.hpp>
 
@@ -9,6 +11,7 @@
 #include <cmath>
 
 namespace rlslab::compare {
+using detail::product;
 namespace {
 
 using Square = Matrix<double>;
@@ -70,6 +73,16 @@ std::vector<Index> bright_rows(Potter<double> root, Matrix<double> const& psi, d
     std::ranges::sort(out);
     return out;
 }
+/// Of an upper triangle.
+Square inverse_of(Square const& R) {
+    Square out = Square::Identity(R.rows(), R.cols());
+    for (Index j = 0; j < R.cols(); ++j)
+        for (Index l = j; l >= 0; --l) {
+            out(l, j) /= R(l, l);
+            out.col(j).head(l) -= R.col(l).head(l) * out(l, j);
+        }
+    return out;
+}
 /// The rows that the checkpoints need, by number, and which are bright.
 struct Rows {
     std::map<Index, Row> at;
@@ -102,41 +115,56 @@ Rows rows_of(RoundedProblem const& rounded, std::vector<Index> const& checkpoint
         if (kept == out.end()) continue;
         Square const R = of_M.stored().F.transpose().triangularView<Eigen::Upper>();
         kept->second = {.R = R,
-                        .F = R.triangularView<Eigen::Upper>().solve(Square::Identity(d, d)),
+                        .F = inverse_of(R),
                         .S = of_P.stored().F,
                         .S_before = before,
-                        .before = before * before.transpose() / lambda,
+                        .before = product(before, Square(before.transpose())) / lambda,
                         .psi = psi};
     }
     return rows;
 }
 
-Column lengths(Square const& X) { return X.colwise().squaredNorm().transpose(); }
+/// The squared lengths of the columns.
+Column lengths(Square const& X) {
+    Column out(X.cols());
+    for (Index j = 0; j < X.cols(); ++j) out[j] = dot(X.col(j).data(), X.col(j).data(), X.rows());
+    return out;
+}
+double norm(Square const& X) { return std::sqrt(dot(X.data(), X.data(), X.size())); }
 /// sum_il x_i E_il^2 y_l.
-double weighed(Column const& x, Square const& E, Column const& y) { return x.dot(E.cwiseAbs2() * y); }
+double weighed(Column const& x, Square const& E, Column const& y) {
+    Column by(E.rows());
+    double sum = 0;
+    for (Index l = 0; l < E.cols(); ++l) {
+        by = E.col(l).cwiseAbs2();
+        sum += dot(x.data(), by.data(), x.size()) * y[l];
+    }
+    return sum;
+}
 
 PowerLaw::Sizes sizes_at(Rows const& rows, Index k, double lambda) {
-    Square const &F_k = rows.at.at(k).F, P = F_k * F_k.transpose();
+    Square const &F_k = rows.at.at(k).F, P = product(F_k, Square(F_k.transpose()));
     PowerLaw::Sizes out{};
     Square bias = Square::Zero(P.rows(), P.cols());
     for (auto const [j, count] : rows_before(k, P.rows(), rows.bright)) {
         Row const& row = rows.at.at(j);
         double const left = correctly::pow(lambda, double(k - j)), share = count * left * left;
-        Square const carried = P * row.R.transpose(), T = carried * row.R;
+        Square const carried = product(P, Square(row.R.transpose())), T = product(carried, row.R);
         Column const of_entry = lengths(T);
         out.triangle += share * weighed(of_entry, row.F, lengths(carried));
         out.information += share * weighed(lengths(carried), row.R, lengths(P));
-        out.root += share * weighed(of_entry, row.S_before, lengths(T * row.S));
+        out.root += share * weighed(of_entry, row.S_before, lengths(product(T, row.S)));
         out.difference += share * weighed(of_entry, row.before, of_entry);
-        Column const K = row.F * (row.F.transpose() * row.psi);
-        Square const H = (Square::Identity(P.rows(), P.cols()) - K * row.psi.transpose()).cwiseAbs();
-        out.joseph += share * weighed(of_entry, H * row.before.cwiseAbs() * H.transpose(), of_entry);
-        if (lambda < 1) bias += count * left * carried * carried.transpose();
+        Square const psi = row.psi, K = product(row.F, product(Square(row.F.transpose()), psi)),
+                     H = (Square::Identity(P.rows(), P.cols()) - product(K, Square(psi.transpose()))).cwiseAbs(),
+                     spread = product(product(H, Square(row.before.cwiseAbs())), Square(H.transpose()));
+        out.joseph += share * weighed(of_entry, spread, of_entry);
+        if (lambda < 1) bias += count * left * product(carried, Square(carried.transpose()));
     }
-    double const size = P.norm();
+    double const size = norm(P);
     auto const relative = [&](double squares) { return std::sqrt(squares) / size; };
     return {relative(out.triangle),   relative(out.information), relative(out.root),
-            relative(out.difference), relative(out.joseph),      bias.norm() / size};
+            relative(out.difference), relative(out.joseph),      norm(bias) / size};
 }
 
 /// eps of (2).

@@ -5,6 +5,8 @@
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/matrices.hpp>
+#include <rlslab/linalg/dot.hpp>
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/variants/ud.hpp>
 
 #include <Eigen/LU>
@@ -13,6 +15,7 @@
 #include <numbers>
 
 namespace rlslab::identify {
+using detail::product;
 namespace {
 
 /// The terms, and n further past lags of each input.
@@ -141,15 +144,15 @@ Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> c
     for (Index k = 0; k < phi.cols(); ++k)
         for (Index i = 1; i <= std::min<Index>(k, Index(c.size())); ++i) z.col(k) -= c[size_t(i - 1)] * z.col(k - i);
     Vector<double> const unit = P.diagonal().cwiseSqrt();
-    Matrix<double> const scaled = unit.cwiseInverse().asDiagonal() * P * unit.cwiseInverse().asDiagonal(),
-                         A = scaled * (unit.asDiagonal() * phi * (z.transpose() * unit.asDiagonal())),
-                         I = Matrix<double>::Identity(d, d), inverse = A.inverse();  // A = M + I/2
-    Matrix<double> F = inverse * (A - I), X = inverse * scaled * inverse.transpose();
-    for (int j = 0; j < 60 && F.squaredNorm() > 1e-40 && F.allFinite(); ++j) {
-        X += (F * X * F.transpose()).eval();
-        F = (F * F).eval();
-    }
-    if (!(F.squaredNorm() <= 1e-40)) return Vector<double>::Constant(d, NAN);
+    using Square = Matrix<double>;
+    auto const between = [](Square const& F, Square const& X) { return product(product(F, X), Square(F.transpose())); };
+    Square const scaled = unit.cwiseInverse().asDiagonal() * P * unit.cwiseInverse().asDiagonal(),
+                 moments = product(Square(unit.asDiagonal() * phi), Square(z.transpose() * unit.asDiagonal())),
+                 A = product(scaled, moments), I = Square::Identity(d, d), inverse = A.inverse();  // A = M + I/2
+    Square F = product(inverse, Square(A - I)), X = between(inverse, scaled);
+    auto const squares = [&F] { return dot(F.data(), F.data(), F.size()); };
+    for (int j = 0; j < 60 && squares() > 1e-40 && F.allFinite(); ++j) X += between(F, X), F = product(F, F);
+    if (!(squares() <= 1e-40)) return Vector<double>::Constant(d, NAN);
     return std::sqrt(sigma2) * unit.cwiseProduct(X.diagonal().cwiseSqrt());
 }
 
@@ -241,7 +244,7 @@ Cured with_instruments(IdentifyOptions const& options, Structure const& structur
     judge(out, structure, v, r.y.cwiseAbs().maxCoeff(), 0);
     out.parameters = parameters_of(structure, estimate, theta);
     Vector<double> const variances =
-        sandwich(f.filter().covariance() * psihat, zero_filled(Signal(v.begin(), v.end()), 0, N), out.rows - d);
+        sandwich(product(f.filter().covariance(), psihat), zero_filled(Signal(v.begin(), v.end()), 0, N), out.rows - d);
     for (Index i = 0; i < d; ++i) out.parameters[size_t(i)].sd = std::sqrt(variances[i]);
     return out;
 }
