@@ -324,7 +324,7 @@ TEST_F(Coloured, InWhiteNoiseAllThreeAgree) {
 /// Eigen cuts products of more than some 250 terms by the sizes of the processor's caches.
 TEST_F(Coloured, NoNumberFollowsTheProcessorsCaches) {
     std::array const here{Eigen::l1CacheSize(), Eigen::l2CacheSize(), Eigen::l3CacheSize()};
-    auto const with = [](std::ptrdiff_t first) {
+    auto const with = [&](std::ptrdiff_t first) {
         Eigen::setCpuCacheSizes(first, 8 * first, 64 * first);
         Identified const m = of(record(1500, 3, {0.5}), {.noise_model = 2, .instruments = 3});
         std::vector<double> out;

@@ -18,6 +18,7 @@ TEST_F(Program, RefusesInTheseWords) {
                                             {"empty", ""},
                                             {"short", "u,y\n1,2\n"},
                                             {"huge", "u,y\n1,2\n1e308,2\n"},
+                                            {"missing", "u,y\n1,\n2,\n4,\n5,\n"},
                                             {"gap", "u,y\n1,2\n,3\n4,5\n"},
                                             {"two", "u,v,y\n1,2,3\n2,1,4\n5,0,1\n7,3,3\n"},
                                             {"word", "t,u,y\n1,1,2\n2,3,1\nsoon,3,4\n4,2,2\n"},

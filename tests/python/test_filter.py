@@ -168,6 +168,8 @@ def test_states_that_are_refused_leave_the_filter_as_it_was(tmp_path):
         if state[:-1] != before and state not in others[:3]:
             with pytest.raises(ValueError):
                 rlslab.load(tmp_path / "bad")
+    with pytest.raises(ValueError, match=", of a fleet"):
+        f.restore(rlslab.Fleet("ud", 3, 2).state)
     with pytest.raises(TypeError):
         f.restore("text")
     with pytest.raises(FileNotFoundError):

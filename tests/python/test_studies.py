@@ -60,6 +60,8 @@ def test_what_is_refused():
         lambda: rlslab.sweep(X, y, {"forgetting": []}),
         lambda: rlslab.sweep(X, y, {"order": [1, 2]}),
         lambda: rlslab.sweep(X, y[:3], {}),
+        lambda: rlslab.sweep(X, y, [1]),
+        lambda: rlslab.sweep(X[:, :0], y, {}),
         lambda: rlslab.cite("udd"),
         lambda: rlslab.cite("--help"),
         lambda: rlslab.study("--help"),

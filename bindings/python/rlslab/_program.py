@@ -77,7 +77,7 @@ def _child(command: list[str], data: str) -> Answer:
     except OSError as error:
         raise RuntimeError(f"{command[0]} does not run: {error.strerror}") from None
     said = done.stderr.decode("utf-8", "replace").strip()
-    lines = [re.sub(r"^\w+: (-: )?", "", line) for line in said.splitlines()]    # -: the data on its input
+    lines = [re.sub(r"^\w+: ((-|standard input): )?", "", line) for line in said.splitlines()]
     if done.returncode == 2:
         raise ValueError(_in_python(lines[-1] if lines else "wrong input"))
     if done.returncode not in (0, 1):
@@ -174,6 +174,8 @@ def table(X: ArrayLike, y: ArrayLike | None, letter: str, name: str) -> tuple[st
     """Columns and output as CSV, with the names in it: those of a data frame where each is a plain word of its own,
     otherwise letter1 ... and y. NaN: a missing value."""
     values, given = columns(X, name)
+    if letter == "x" and not values.shape[1]:
+        raise ValueError(f"{name} has no columns")
     names = [f"{letter}{j + 1}" for j in range(values.shape[1])]
     if letter == "u" and len(names) == 1:
         names = ["u"]

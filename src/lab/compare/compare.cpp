@@ -122,9 +122,11 @@ std::string constants_text(Records const& records) {
     return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
 
-/// The entries, unless none of them can be composed so.
+/// The entries, unless none of them can be composed so, or take the probes that are asked for.
 std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*> const& entries,
-                                              Composition const& composition) {
+                                              CompareOptions const& options) {
+    Composition composition = options.composition;
+    if (options.certify) composition.certify = probes_of_compare;
     if (composition.empty()) return entries;
     if (std::string const why = contradiction(composition); !why.empty())
         throw InputError("--control, --window, --guard: do not go together: " + why);
@@ -136,7 +138,9 @@ std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*>
             std::ranges::find(reasons, text) == reasons.end())
             reasons.push_back(text);
     }
-    throw InputError(fmt::format("--variants: none of them can be composed so: {}", fmt::join(reasons, "; ")));
+    throw InputError(fmt::format("--variants: none of them {}: {}",
+                                 options.certify ? "goes with --certify" : "can be composed so",
+                                 fmt::join(reasons, "; ")));
 }
 
 /// The mean square of the solution's residuals, over the rows that are more than it takes.
@@ -354,14 +358,15 @@ CertifiedSolution least_squares(Records const& records, double forgetting) {
     CertifiedSolution out = certified(problem, records, {records.rows()}).front();
     if (out.status() == Status::singular)
         throw InputError(
-            fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
+            fmt::format("{}{}the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
                         "over {} rows{}",
-                        out.rank(), records.parameters(), records.rows(), constants_text(records)));
+                        records.file, records.file.empty() ? "" : ": ", out.rank(), records.parameters(),
+                        records.rows(), constants_text(records)));
     return out;
 }
 
 Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
-    std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options.composition);
+    std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options);
     std::vector<Arithmetic const*> const used = arithmetics_of(entries);
     std::set<std::string_view> roundings;
     for (Arithmetic const* const a : used) roundings.insert(rounding_of(*a));

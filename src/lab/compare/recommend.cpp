@@ -165,8 +165,9 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         if (is_sound(r)) sound.push_back(&r);
     }
     if (tried == 0) {
-        out.why = c.options.composition.empty() ? "no variant was tried that takes single rows"
-                                                : "no variant can be composed so";
+        out.why = c.options.composition.empty()
+                      ? "no variant was tried that takes single rows"
+                      : "no variant can be composed so, or a number of it is 0 or infinite here";
         return out;
     }
     auto const exact = std::ranges::find(c.exact, arithmetic.name, &ExactSums::arithmetic);

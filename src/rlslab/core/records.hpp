@@ -14,8 +14,9 @@ struct Records {
     Vector<double> y;    ///< N
     std::vector<std::string>
         names;  ///< d: of the parameters from arx_records() ("a1", "b0"), else of the regressors ("-y[k-1]", "1")
-    Index skipped = 0;    ///< rows left out because a value they need was missing
-    Index presample = 0;  ///< rows at the start without the history a regressor needs; not among skipped
+    Index skipped = 0;      ///< rows left out because a value they need was missing
+    Index presample = 0;    ///< rows at the start without the history a regressor needs; not among skipped
+    std::string file = {};  ///< named in messages; "": none is
     Index parameters() const { return psi.rows(); }
     Index rows() const { return psi.cols(); }
     Regressor<double> sample(Index k) const { return {psi.col(k).data(), psi.rows()}; }
