@@ -44,6 +44,9 @@ TEST_F(ComposedCommand, SaysWhatItsDigitsAreComparedWith) {
     Outcome const text = shell("rlslab " + sales + "--window 500 --variants ud,potter,kalman");
     EXPECT_THAT(text.out, Names("window 500"));
     EXPECT_THAT(text.out, Names("kalman state"));
+    EXPECT_THAT(shell("rlslab " + sales + "--control random_walk:1e60 --arithmetic float").out,
+                Names("a number of the control is 0 or infinite"));
+    EXPECT_THAT(shell("rlslab " + sales + "--certify --variants ud,kalman").out, Names("None in kalman."));
 }
 TEST_F(ComposedCommand, AnswersTheSameWithAnyNumberOfThreads) {
     for (std::string options : {"--window 60 --guard rebuild --json", "--control fortescue --csv", "--guard reset"})

@@ -62,6 +62,8 @@ def test_what_is_refused():
         lambda: rlslab.sweep(X, y[:3], {}),
         lambda: rlslab.sweep(X, y, [1]),
         lambda: rlslab.sweep(X[:, :0], y, {}),
+        lambda: rlslab.sweep(X, X[:, :0], {}),
+        lambda: rlslab.identify(X[:, :0], y),
         lambda: rlslab.cite("udd"),
         lambda: rlslab.cite("--help"),
         lambda: rlslab.study("--help"),

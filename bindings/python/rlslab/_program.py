@@ -184,7 +184,7 @@ def table(X: ArrayLike, y: ArrayLike | None, letter: str, name: str) -> tuple[st
     if y is not None:
         target, called = columns(y, "y")
         if target.shape[1] != 1 or len(target) != len(values):
-            shape, n = np.shape(target if target.shape[1] > 1 else target[:, 0]), len(values)
+            shape, n = np.shape(target[:, 0] if target.shape[1] == 1 else target), len(values)
             raise ValueError(f"y has shape {shape}, expected ({n},) as {name} has {n} rows")
         parts.append(target)
         if called and _plain(called):

@@ -18,7 +18,7 @@ Values = Union[str, float, Iterable[Any]]
 def _factors(given: Mapping[str, Values] | None, option: str) -> list[str]:
     """Words "--set=NAME=A,B" for each."""
     words = []
-    if given is not None and not hasattr(given, "items"):
+    if given is not None and not isinstance(given, Mapping):
         raise ValueError(f"{option[2:]}: expected a dict of values by name, found {given!r}")
     for name, values in (given or {}).items():
         listed: list[Any] = [values] if isinstance(values, str) or not isinstance(values, Iterable) else list(values)

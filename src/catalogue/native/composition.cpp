@@ -76,7 +76,7 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     VariantAbilities const can = abilities_of(variant);
     Abilities const& a = can.abilities;
     bool const ruled = !c.keeps_the_problem();
-    if (c.certify > 0 && !a.certifiable) return "shows no P, and no factor of it, that probes could be multiplied by";
+    if (c.certify > 0 && !a.certifiable) return "does not multiply probes by its P";
     if (!ruled && c.window == 0 && c.guard.empty() && c.certify == 0)
         return can.single_rows ? "" : "takes rows in blocks, or is another library's";
     if (is_its_own_rule(c, variant)) return "";

@@ -165,9 +165,13 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         if (is_sound(r)) sound.push_back(&r);
     }
     if (tried == 0) {
-        out.why = c.options.composition.empty()
-                      ? "no variant was tried that takes single rows"
-                      : "no variant can be composed so, or a number of it is 0 or infinite here";
+        Composition const& composed = c.options.composition;
+        bool const can = std::ranges::any_of(c.results, [&](Result const& r) {
+            return r.entry->arithmetic->name == arithmetic.name && obstacle(composed, r.entry->variant).empty();
+        });
+        out.why = composed.empty() ? "no variant was tried that takes single rows"
+                  : can            ? "a number of the control is 0 or infinite here"
+                                   : "no variant can be composed so";
         return out;
     }
     auto const exact = std::ranges::find(c.exact, arithmetic.name, &ExactSums::arithmetic);

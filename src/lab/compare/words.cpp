@@ -128,11 +128,18 @@ std::string probes_sentence(Comparison const& c) {
     Index seen = 0, above = 0;
     for (Result const& r : c.results)
         if (r.probed && r.probed->truth) ++seen, above += *r.probed->truth > r.probed->bound;
+    std::vector<std::string_view> none;
+    for (Result const& r : c.results) {
+        std::string_view const name = r.entry->variant;
+        if (std::ranges::none_of(c.results, [&](Result const& o) { return o.entry->variant == name && o.probed; }) &&
+            std::ranges::find(none, name) == none.end())
+            none.push_back(name);
+    }
     return fmt::format(
         "Probes: {} in a filter estimate ||Phat P^-1 - I||_F after the last row, in the prior's units: not the digits "
         "above, which are of P itself and medians over rows. The bound fails with probability 5e-4; truth, in 257 "
-        "bits, is above it in {} of {} filters. qr_block takes none.",
-        probes_of_compare, above, seen);
+        "bits, is above it in {} of {} filters.{}",
+        probes_of_compare, above, seen, none.empty() ? "" : fmt::format(" None in {}.", fmt::join(none, ", ")));
 }
 
 std::string prior_text(Comparison const& c) {

@@ -235,7 +235,7 @@ Question question_of(RecordArguments a, std::optional<Columns>* kept) {
         out.in_file.resolution.push_back(resolution[m.column]);
     }
     out.records = records_of(data, a, model, out.in_file.rows);
-    out.records.file = out.model.file;
+    out.records.file = a.example.empty() ? out.model.file : "--example " + a.example;
     out.in_file.order = out.records.presample - model.arx.delay;
     out.in_file.lines = std::move(data.lines);
     return out;
