@@ -22,6 +22,7 @@
 
 namespace rlslab::program {
 using namespace compare;
+using namespace report;
 using namespace studies;
 namespace {
 
@@ -192,7 +193,6 @@ Study study_of(Sweep const& sweep, std::uint64_t seed) {
 
 // --- the command -----------------------------------------------------------------------------------------------------
 
-using namespace report;
 namespace {
 
 struct SweepArguments : StudyRun {

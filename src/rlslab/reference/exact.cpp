@@ -335,7 +335,7 @@ std::optional<Scaled> scaled(CertifiedSolution const& theta, CertifiedSolution c
 /// |change| / |size|: 0 for no change, infinity for a change of zero.
 double ratio(Ball change, Ball const& size, long bits) {
     if (arb_is_zero(change)) return 0;
-    if (arb_is_zero(size)) return std::numeric_limits<double>::infinity();
+    if (arb_is_zero(size)) return infinity;
     arb_div(change, change, size, bits);
     return std::abs(arf_get_d(arb_midref(static_cast<arb_srcptr>(change)), ARF_RND_NEAR));
 }
@@ -344,13 +344,12 @@ double ratio(Ball change, Ball const& size, long bits) {
 
 double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     auto const x = scaled(theta, from, s);
-    return x ? ratio(norm(x->change, x->bits), norm(x->size, x->bits), x->bits)
-             : std::numeric_limits<double>::quiet_NaN();
+    return x ? ratio(norm(x->change, x->bits), norm(x->size, x->bits), x->bits) : nan;
 }
 
 double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     auto const x = scaled(theta, from, s);
-    if (!x) return std::numeric_limits<double>::quiet_NaN();
+    if (!x) return nan;
     Ball const all = norm(x->size, x->bits);
     double out = 0;
     for (Index i = 0; i < s.size(); ++i) {
