@@ -230,6 +230,12 @@ def test_what_is_refused():
         refuses(call, most=300)
     with pytest.raises(ValueError, match="^prior_variance: "):
         rlslab.compare(X, y, prior_variance=-1)
+    X[2, 1] = np.inf
+    with pytest.raises(ValueError, match=r"^X\[2, 1\] is inf, expected a finite number"):
+        rlslab.compare(X, y)
+    y[3] = -np.inf
+    with pytest.raises(ValueError, match=r"^y\[3\] is -inf"):
+        rlslab.compare(X[:, :1], y)
 
 
 def test_where_the_program_is(tmp_path, monkeypatch):

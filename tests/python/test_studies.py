@@ -57,7 +57,6 @@ def test_what_is_refused():
         lambda: rlslab.study(3),
         lambda: rlslab.sweep(X, y, {"forgetting": [2]}),
         lambda: rlslab.sweep(X, y, {"forgetting": [1]}, row_orders=True),
-        lambda: rlslab.sweep(X, y, {"forgetting": []}),
         lambda: rlslab.sweep(X, y, {"order": [1, 2]}),
         lambda: rlslab.sweep(X, y[:3], {}),
         lambda: rlslab.sweep(X, y, [1]),
@@ -72,6 +71,8 @@ def test_what_is_refused():
         lambda: rlslab.cite(3),
     ):
         refuses(call, most=1000)
+    with pytest.raises(ValueError, match=r"^vary: forgetting: expected at least one value, found \[\]"):
+        rlslab.sweep(X, y, {"forgetting": []})
 
 
 def test_pandas():

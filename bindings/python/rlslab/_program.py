@@ -196,6 +196,9 @@ def table(X: ArrayLike, y: ArrayLike | None, letter: str, name: str) -> tuple[st
     rows = np.column_stack(parts)
     if not len(rows):
         raise ValueError(f"{name} has no rows")
+    for i, j in np.argwhere(np.isinf(rows))[:1]:
+        where = f"{name}[{i}, {j}]" if j < values.shape[1] else f"y[{i}]"
+        raise ValueError(f"{where} is {rows[i, j]}, expected a finite number, or NaN for a missing value")
     out = io.StringIO()
     out.write(",".join([*names, output] if y is not None else names) + "\n")
     for row in rows.tolist():

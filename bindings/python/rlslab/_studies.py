@@ -22,6 +22,8 @@ def _factors(given: Mapping[str, Values] | None, option: str) -> list[str]:
         raise ValueError(f"{option[2:]}: expected a dict of values by name, found {given!r}")
     for name, values in (given or {}).items():
         listed: list[Any] = [values] if isinstance(values, str) or not isinstance(values, Iterable) else list(values)
+        if not listed:
+            raise ValueError(f"{option[2:]}: {name}: expected at least one value, found {values!r}")
         if name == "arithmetic":
             listed = list(_program.arithmetics(listed))
         words.append(f"{option}={_program.named(name)}={','.join(map(_program.word, listed))}")

@@ -82,18 +82,31 @@ struct CommandLine {
                     std::ranges::find(commands, words[i], [](Command const& c) { return c.app->get_name(); });
                 if (named != commands.end()) taker = named->app;
             }
-            CLI::Option const* const option =
-                words[i].starts_with("--") ? taker->get_option_no_throw(words[i]) : nullptr;
-            if (option == nullptr || takes_nothing(*option) || ++i == words.size()) continue;
-            if (option->get_delimiter() == ',' && !words[i].empty() &&
-                words[i].find_first_not_of(',') == std::string::npos)
-                throw InputError(fmt::format("{}: expected {}, found \"{}\"", words[i - 1], option->get_type_name(),
-                                             printable(words[i])));
-            if (words[i].starts_with("--") &&
-                taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
-                throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1],
-                                             option->get_type_name(), words[i]));
+            std::string const name = words[i].substr(0, words[i].find('='));
+            CLI::Option const* const option = name.starts_with("--") ? taker->get_option_no_throw(name) : nullptr;
+            if (option == nullptr || takes_nothing(*option)) continue;
+            bool const apart = name == words[i];
+            if (apart && ++i == words.size()) break;
+            std::string const value = apart ? words[i] : words[i].substr(name.size() + 1);
+            if (option->get_delimiter() == ',' && has_an_empty_part(value))
+                throw InputError(fmt::format("{}: expected {}, no part of it empty, found \"{}\"", name,
+                                             option->get_type_name(), printable(value)));
+            if (apart && value.starts_with("--") &&
+                taker->get_option_no_throw(value.substr(0, value.find('='))) != nullptr)
+                throw InputError(
+                    fmt::format("{}: expected {}, found the option {}", name, option->get_type_name(), value));
         }
+    }
+    /// CLI11 would drop it. A comma within quotes is part of a name.
+    static bool has_an_empty_part(std::string const& list) {
+        bool quoted = false;
+        char before = ',';
+        for (char const letter : list + ',') {
+            quoted ^= letter == '"';
+            if (!quoted && letter == ',' && before == ',') return !list.empty();  // the option itself refuses ""
+            before = quoted ? '"' : letter;
+        }
+        return false;
     }
     /// What CLI11 found wrong, in our words.
     std::string complaint(CLI::ParseError const& error) const {
