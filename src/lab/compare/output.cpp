@@ -107,7 +107,7 @@ Json result_json(Comparison const& c, Result const& r) {
     out["obstacle"] = text_json(r.obstacle);
     out["certified_to"] = r.certified_to;
     for (auto const& [name, count] : counted)
-        out["happened"][name] = array(r.happened, [&](CompositionCounts const& h) { return h.*count; });
+        out["happened"][name] = array(r.happened, [&, count = count](CompositionCounts const& h) { return h.*count; });
     return out;
 }
 

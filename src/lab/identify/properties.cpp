@@ -249,7 +249,7 @@ std::vector<double> response_frequencies(std::vector<Point> const& poles,
     angles(poles);
     for (auto const& of_input : zeros) angles(of_input);
     std::ranges::sort(out);
-    out.erase(std::ranges::unique(out).begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
 }
 
