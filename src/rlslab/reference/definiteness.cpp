@@ -21,14 +21,10 @@ bool all_finite(Stored<Reference> const& stored) {
 }
 
 /// A triangle's determinant is its diagonal's product. 0: has a zero there; 1: has none; -1: not a triangle.
-int triangle_is_regular(Matrix<Reference> const& F) {
-    bool upper = true, lower = true, regular = true;
-    for (Index j = 0; j < F.cols(); ++j) {
-        for (Index i = 0; i < j; ++i) lower = lower && F(i, j) == 0;
-        for (Index i = j + 1; i < F.rows(); ++i) upper = upper && F(i, j) == 0;
-        regular = regular && F(j, j) != 0;
-    }
-    return upper || lower ? int(regular) : -1;
+template <class T>
+int triangle_is_regular(Matrix<T> const& F) {
+    if (!F.isUpperTriangular(T(0)) && !F.isLowerTriangular(T(0))) return -1;
+    return int((F.diagonal().array() != T(0)).all());
 }
 
 /// F + F' = L D L' in place, one column at a time. The number of pivots shown positive before one that is not; that
@@ -161,16 +157,8 @@ bool plain_is_positive(Matrix<double> const& F, double rho) {
 bool factor_is_positive(Matrix<double> const& F, Vector<double> const& D, double rho) {
     for (double const x : D)
         if (!(x > 0 && std::isfinite(x))) return false;
-    bool upper = true, lower = true, regular = true;
-    for (Index j = 0; j < F.cols(); ++j) {
-        for (Index i = 0; i < F.rows(); ++i) {
-            if (!std::isfinite(F(i, j))) return false;
-            if (i < j && F(i, j) != 0) lower = false;
-            if (i > j && F(i, j) != 0) upper = false;
-        }
-        regular = regular && F(j, j) != 0;
-    }
-    if (upper || lower) return regular;
+    if (!F.allFinite()) return false;
+    if (int const regular = triangle_is_regular(F); regular >= 0) return regular == 1;
     return rho == 0 && balls::surely_nonsingular(F);
 }
 

@@ -52,20 +52,13 @@ bool all_finite(Eigen::MatrixBase<Derived> const& A) {
     return true;
 }
 
-bool upper_triangular(Matrix<Reference> const& A) {
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = j + 1; i < A.rows(); ++i)
-            if (A(i, j) != 0) return false;
-    return true;
-}
-
 /// A^-1 at this precision; false: not shown to be invertible.
 bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
     BallMatrix identity(A.rows(), A.cols());
     arb_mat_one(identity);
     inverse = BallMatrix(A.rows(), A.cols());
-    bool const upper = upper_triangular(A);
-    if (!upper && !upper_triangular(A.transpose())) return arb_mat_inv(inverse, exact(A), bits) != 0;
+    bool const upper = A.isUpperTriangular(Reference(0));
+    if (!upper && !A.isLowerTriangular(Reference(0))) return arb_mat_inv(inverse, exact(A), bits) != 0;
     if ((A.diagonal().array() == Reference(0)).any()) return false;
     if (upper) arb_mat_solve_triu(inverse, exact(A), identity, 0, bits);
     else arb_mat_solve_tril(inverse, exact(A), identity, 0, bits);
