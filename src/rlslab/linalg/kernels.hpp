@@ -75,7 +75,7 @@ void add_product(StateVector<RealOf<T>, N> const& x, StateVector<T, N> const& y,
     for (Index i = 0; i < out.size(); ++i) out[i] = x[i] + real_part(conjugate(y[i]) * z[i]);
 }
 
-// --- all arithmetics --------------------------------------------------------------------------------------------------
+// --- vectors and matrices --------------------------------------------------------------------------------------------
 
 /// x'y, in the order above. In these functions ' conjugates where the numbers are complex.
 template <Scalar T, int N>
