@@ -14,12 +14,6 @@ namespace {
 
 using namespace balls;
 
-bool all_finite(Stored<Reference> const& stored) {
-    auto const finite = [](Reference const& x) { return is_finite(x); };
-    return std::all_of(stored.F.data(), stored.F.data() + stored.F.size(), finite) &&
-           std::all_of(stored.D.data(), stored.D.data() + stored.D.size(), finite);
-}
-
 /// A triangle's determinant is its diagonal's product. 0: has a zero there; 1: has none; -1: not a triangle.
 template <class T>
 int triangle_is_regular(Matrix<T> const& F) {
@@ -69,7 +63,7 @@ Health definiteness_of_plain(Matrix<Reference> const& F) {
 Health definiteness(Stored<Reference> const& stored) {
     expects(stored.F.rows() == stored.F.cols(), "a square F");
     expects(stored.D.size() == 0 || stored.D.size() == stored.F.rows(), "D of F's size");
-    if (!all_finite(stored)) return Health::nonfinite;
+    if (!stored.F.allFinite() || !stored.D.allFinite()) return Health::nonfinite;
     if (stored.form == Stored<Reference>::Form::plain) return definiteness_of_plain(stored.F);
     for (Reference const& d : stored.D)
         if (d <= 0) return Health::indefinite;
