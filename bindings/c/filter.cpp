@@ -3,7 +3,6 @@
 
 #include <rlslab/catalogue/native/theta_path.hpp>
 
-#include <algorithm>
 #include <limits>
 #include <new>
 
