@@ -3,9 +3,10 @@
 
 #include "bindings/c/rlslab.h"
 
-#include <rlslab/catalogue/native/filter.hpp>
+#include <rlslab/catalogue/native/outputs.hpp>
 
 #include <initializer_list>
+#include <type_traits>
 
 namespace rlslab::c {
 
@@ -59,23 +60,65 @@ native::Index index(std::size_t count) noexcept;
 [[gnu::cold]] rlslab_status no_filter(std::size_t m, std::size_t filters) noexcept;
 [[gnu::cold]] rlslab_status other_matrix(std::string_view variant, bool covariance) noexcept;
 
-/// The state of a filter or of a fleet: its bytes, 0 where memory is not enough to count them; written; read.
-template <class Native>
-std::size_t state_size(Native const& native) noexcept {
+/// The native object behind a handle.
+template <class Handle>
+using NativeOf =
+    std::conditional_t<std::is_same_v<Handle, rlslab_filter>, native::Filter,
+                       std::conditional_t<std::is_same_v<Handle, rlslab_outputs>, native::Outputs, native::Fleet>>;
+template <class Handle>
+auto& of(Handle* handle) {
+    return *reinterpret_cast<NativeOf<Handle>*>(handle);
+}
+template <class Handle>
+auto const& of(Handle const* handle) {
+    return *reinterpret_cast<NativeOf<Handle> const*>(handle);
+}
+
+/// What every kind of filter does alike: *out is what maker(options) makes, and null where it is refused; a copy;
+/// as it was made; the rows of `newer` behind its own; the state, 0 bytes where memory is not enough to count them.
+template <class Handle>
+rlslab_status make(Request const& request, Handle** out, auto const& maker) noexcept {
+    if (!out) return null_among({{"out", out}});
+    *out = nullptr;
+    if (rlslab_status const status = request.readable()) return status;
+    return guarded([&] { *out = reinterpret_cast<Handle*>(maker(request.read()).release()); }, request.refused());
+}
+template <class Handle>
+rlslab_status copy(Handle const* filter, Handle** out) noexcept {
+    if (!out) return null_among({{"out", out}});
+    *out = nullptr;
+    if (!filter) return null_among({{"filter", filter}});
+    return guarded([&] { *out = reinterpret_cast<Handle*>(of(filter).clone().release()); });
+}
+template <class Handle>
+rlslab_status reset(Handle* filter) noexcept {
+    if (!filter) return null_among({{"filter", filter}});
+    return guarded([&] { of(filter).reset(); });
+}
+template <class Handle>
+rlslab_status merge(Handle* filter, Handle const* newer) noexcept {
+    if (!filter || !newer) return null_among({{"filter", filter}, {"newer", newer}});
+    return guarded([&] { of(filter).merge(of(newer)); },
+                   of(filter).variant() == "qr_block" ? RLSLAB_INVALID : RLSLAB_ABILITY);
+}
+template <class Handle>
+std::size_t state_size(Handle const* filter) noexcept {
     std::size_t size = 0;
-    guarded([&] { size = native.state_size(); });
+    if (filter) guarded([&] { size = of(filter).state_size(); });
     return size;
 }
-template <class Native>
-rlslab_status save(Native const& native, void* to, std::size_t room) noexcept {
+template <class Handle>
+rlslab_status save(Handle const* filter, void* to, std::size_t room) noexcept {
+    if (!filter || !to) return null_among({{"filter", filter}, {"to", to}});
     std::size_t size = 0;
-    if (rlslab_status const status = guarded([&] { size = native.state_size(); })) return status;
+    if (rlslab_status const status = guarded([&] { size = of(filter).state_size(); })) return status;
     if (rlslab_status const status = has_room(size, room)) return status;
-    return guarded([&] { native.save({static_cast<std::byte*>(to), size}); });
+    return guarded([&] { of(filter).save({static_cast<std::byte*>(to), size}); });
 }
-template <class Native>
-rlslab_status load(Native& native, void const* from, std::size_t bytes) noexcept {
-    return guarded([&] { native.load({static_cast<std::byte const*>(from), bytes}); }, RLSLAB_STATE);
+template <class Handle>
+rlslab_status load(Handle* filter, void const* from, std::size_t bytes) noexcept {
+    if (!filter || !from) return null_among({{"filter", filter}, {"from", from}});
+    return guarded([&] { of(filter).load({static_cast<std::byte const*>(from), bytes}); }, RLSLAB_STATE);
 }
 
 }  // namespace rlslab::c

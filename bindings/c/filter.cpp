@@ -3,7 +3,6 @@
 
 #include <rlslab/catalogue/native/theta_path.hpp>
 
-#include <algorithm>
 #include <limits>
 #include <new>
 
@@ -11,12 +10,6 @@ using namespace rlslab;
 using namespace rlslab::c;
 
 namespace {
-
-native::Filter& of(rlslab_filter* filter) { return *reinterpret_cast<native::Filter*>(filter); }
-native::Filter const& of(rlslab_filter const* filter) { return *reinterpret_cast<native::Filter const*>(filter); }
-rlslab_filter* handle(std::unique_ptr<native::Filter> filter) {
-    return reinterpret_cast<rlslab_filter*>(filter.release());
-}
 
 static_assert(sizeof(rlslab_step) == sizeof(native::Step) && alignof(rlslab_step) == alignof(native::Step));
 /// The step is made where the caller wants it: a copy would load what was stored in smaller parts, and wait for it.
@@ -77,30 +70,15 @@ rlslab_status rlslab_new(char const* variant, char const* arithmetic, rlslab_opt
 }
 rlslab_status rlslab_new_certified(char const* variant, char const* arithmetic, rlslab_options const* options,
                                    std::size_t probes, std::size_t digits, rlslab_filter** out) {
-    if (!out) return null_among({{"out", out}});
-    *out = nullptr;
-    Request const request{variant, arithmetic, options};
-    if (rlslab_status const status = request.readable()) return status;
-    return guarded(
-        [&] {
-            native::Options read = request.read();
-            read.certify = native::Index(std::min(probes, std::size_t(PTRDIFF_MAX)));
-            read.digits = native::Index(std::min(digits, std::size_t(PTRDIFF_MAX)));
-            *out = handle(native::make(variant, arithmetic, read));
-        },
-        request.refused());
+    return make(Request{variant, arithmetic, options}, out, [&](native::Options read) {
+        read.certify = index(probes);
+        read.digits = index(digits);
+        return native::make(variant, arithmetic, read);
+    });
 }
-rlslab_status rlslab_copy(rlslab_filter const* filter, rlslab_filter** out) {
-    if (!out) return null_among({{"out", out}});
-    *out = nullptr;
-    if (!filter) return null_among({{"filter", filter}});
-    return guarded([&] { *out = handle(of(filter).clone()); });
-}
+rlslab_status rlslab_copy(rlslab_filter const* filter, rlslab_filter** out) { return copy(filter, out); }
 void rlslab_free(rlslab_filter* filter) { delete reinterpret_cast<native::Filter*>(filter); }
-rlslab_status rlslab_reset(rlslab_filter* filter) {
-    if (!filter) return null_among({{"filter", filter}});
-    return guarded([&] { of(filter).reset(); });
-}
+rlslab_status rlslab_reset(rlslab_filter* filter) { return reset(filter); }
 std::size_t rlslab_size(rlslab_filter const* filter) { return filter ? std::size_t(of(filter).size()) : 0; }
 char const* rlslab_variant(rlslab_filter const* filter) { return filter ? of(filter).variant().data() : nullptr; }
 char const* rlslab_arithmetic(rlslab_filter const* filter) { return filter ? of(filter).arithmetic().data() : nullptr; }
@@ -158,11 +136,7 @@ rlslab_status rlslab_remove(rlslab_filter* filter, double const* psi, double y, 
         },
         RLSLAB_ABILITY);
 }
-rlslab_status rlslab_merge(rlslab_filter* filter, rlslab_filter const* newer) {
-    if (!filter || !newer) return null_among({{"filter", filter}, {"newer", newer}});
-    return guarded([&] { of(filter).merge(of(newer)); },
-                   of(filter).variant() == "qr_block" ? RLSLAB_INVALID : RLSLAB_ABILITY);
-}
+rlslab_status rlslab_merge(rlslab_filter* filter, rlslab_filter const* newer) { return merge(filter, newer); }
 
 rlslab_status rlslab_theta(rlslab_filter const* filter, double* out) {
     return numbers<&native::Filter::theta>(filter, out);
@@ -227,14 +201,10 @@ rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, std:
     return RLSLAB_OK;
 }
 
-std::size_t rlslab_state_size(rlslab_filter const* filter) { return filter ? state_size(of(filter)) : 0; }
-rlslab_status rlslab_save(rlslab_filter const* filter, void* to, std::size_t room) {
-    if (!filter || !to) return null_among({{"filter", filter}, {"to", to}});
-    return save(of(filter), to, room);
-}
+std::size_t rlslab_state_size(rlslab_filter const* filter) { return state_size(filter); }
+rlslab_status rlslab_save(rlslab_filter const* filter, void* to, std::size_t room) { return save(filter, to, room); }
 rlslab_status rlslab_load(rlslab_filter* filter, void const* from, std::size_t bytes) {
-    if (!filter || !from) return null_among({{"filter", filter}, {"from", from}});
-    return load(of(filter), from, bytes);
+    return load(filter, from, bytes);
 }
 rlslab_status rlslab_from_state(void const* from, std::size_t bytes, rlslab_filter** out) {
     if (!out) return null_among({{"out", out}});
@@ -242,7 +212,8 @@ rlslab_status rlslab_from_state(void const* from, std::size_t bytes, rlslab_filt
     if (!from) return null_among({{"from", from}});
     return guarded(
         [&] {
-            *out = handle(native::from_state({static_cast<std::byte const*>(from), bytes}));
+            auto made = native::from_state({static_cast<std::byte const*>(from), bytes});
+            *out = reinterpret_cast<rlslab_filter*>(made.release());
         },
         RLSLAB_STATE);
 }

@@ -9,37 +9,10 @@ using namespace rlslab::c;
 namespace {
 
 template <class Handle>
-native::Fleet& of(Handle* f) {
-    return *reinterpret_cast<native::Fleet*>(f);
-}
-template <class Handle>
-native::Fleet const& of(Handle const* f) {
-    return *reinterpret_cast<native::Fleet const*>(f);
-}
-template <class Handle>
 std::size_t filters_of(Handle const* f) {
     return f ? std::size_t(of(f).filters()) : 0;
 }
 
-template <class Handle>
-rlslab_status make(Request const& request, Handle** out, auto const& maker) noexcept {
-    if (!out) return null_among({{"out", out}});
-    *out = nullptr;
-    if (rlslab_status const status = request.readable()) return status;
-    return guarded(
-        [&] {
-            native::Options const o = request.read();
-            *out = reinterpret_cast<Handle*>(maker(o, index(request.filters), index(request.outputs)).release());
-        },
-        request.refused());
-}
-template <class Handle>
-rlslab_status copy(Handle const* f, Handle** out) noexcept {
-    if (!out) return null_among({{"out", out}});
-    *out = nullptr;
-    if (!f) return null_among({{"filter", f}});
-    return guarded([&] { *out = reinterpret_cast<Handle*>(of(f).clone().release()); });
-}
 /// take(): how many rows were missing.
 template <class Handle, class T>
 rlslab_status update(Handle* f, T const* psi, T const* y, std::size_t rows, std::size_t* missing, auto const& take) {
@@ -107,16 +80,6 @@ template <class Handle>
 std::int32_t health(Handle const* f, std::size_t i) noexcept {
     return i < filters_of(f) ? of(f).health(index(i)) : -1;
 }
-template <class Handle>
-rlslab_status save_to(Handle const* f, void* to, std::size_t room) noexcept {
-    if (!f || !to) return null_among({{"filter", f}, {"to", to}});
-    return save(of(f), to, room);
-}
-template <class Handle>
-rlslab_status load_from(Handle* f, void const* from, std::size_t bytes) noexcept {
-    if (!f || !from) return null_among({{"filter", f}, {"from", from}});
-    return load(of(f), from, bytes);
-}
 
 }  // namespace
 
@@ -126,8 +89,9 @@ rlslab_status rlslab_fleet_new(char const* variant, char const* arithmetic, std:
 }
 rlslab_status rlslab_fleet_new_outputs(char const* variant, char const* arithmetic, std::size_t filters,
                                        std::size_t outputs, rlslab_options const* options, rlslab_fleet** out) {
-    return make(Request{variant, arithmetic, options, filters, outputs}, out,
-                [&](auto const& o, auto M, auto m) { return native::make_fleet(variant, arithmetic, M, o, m); });
+    return make(Request{variant, arithmetic, options, filters, outputs}, out, [&](auto const& o) {
+        return native::make_fleet(variant, arithmetic, index(filters), o, index(outputs));
+    });
 }
 rlslab_status rlslab_fleet_copy(rlslab_fleet const* fleet, rlslab_fleet** out) { return copy(fleet, out); }
 void rlslab_fleet_free(rlslab_fleet* fleet) { delete reinterpret_cast<native::Fleet*>(fleet); }
@@ -164,18 +128,17 @@ rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, std::size_t m) {
     if (m >= filters_of(fleet)) return no_filter(m, filters_of(fleet));
     return guarded([&] { of(fleet).reset(index(m)); });
 }
-std::size_t rlslab_fleet_state_size(rlslab_fleet const* fleet) { return fleet ? state_size(of(fleet)) : 0; }
-rlslab_status rlslab_fleet_save(rlslab_fleet const* fleet, void* to, std::size_t room) {
-    return save_to(fleet, to, room);
-}
+std::size_t rlslab_fleet_state_size(rlslab_fleet const* fleet) { return state_size(fleet); }
+rlslab_status rlslab_fleet_save(rlslab_fleet const* fleet, void* to, std::size_t room) { return save(fleet, to, room); }
 rlslab_status rlslab_fleet_load(rlslab_fleet* fleet, void const* from, std::size_t bytes) {
-    return load_from(fleet, from, bytes);
+    return load(fleet, from, bytes);
 }
 
 rlslab_status rlslab_complex_new(char const* variant, char const* arithmetic, std::size_t filters, std::size_t outputs,
                                  rlslab_options const* options, rlslab_complex** out) {
-    return make(Request{variant, arithmetic, options, filters, outputs}, out,
-                [&](auto const& o, auto M, auto m) { return native::make_complex(variant, arithmetic, M, m, o); });
+    return make(Request{variant, arithmetic, options, filters, outputs}, out, [&](auto const& o) {
+        return native::make_complex(variant, arithmetic, index(filters), index(outputs), o);
+    });
 }
 rlslab_status rlslab_complex_copy(rlslab_complex const* filter, rlslab_complex** out) { return copy(filter, out); }
 void rlslab_complex_free(rlslab_complex* filter) { delete reinterpret_cast<native::Fleet*>(filter); }
@@ -217,10 +180,10 @@ rlslab_status rlslab_complex_information(rlslab_complex const* filter, std::size
     return matrix(filter, i, out, false);
 }
 std::int32_t rlslab_complex_health(rlslab_complex const* filter, std::size_t i) { return health(filter, i); }
-std::size_t rlslab_complex_state_size(rlslab_complex const* filter) { return filter ? state_size(of(filter)) : 0; }
+std::size_t rlslab_complex_state_size(rlslab_complex const* filter) { return state_size(filter); }
 rlslab_status rlslab_complex_save(rlslab_complex const* filter, void* to, std::size_t room) {
-    return save_to(filter, to, room);
+    return save(filter, to, room);
 }
 rlslab_status rlslab_complex_load(rlslab_complex* filter, void const* from, std::size_t bytes) {
-    return load_from(filter, from, bytes);
+    return load(filter, from, bytes);
 }

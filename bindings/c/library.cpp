@@ -1,8 +1,6 @@
 // What the library is: its version, its lists of names, its defaults.
 #include "bindings/c/border.hpp"
 
-#include <limits>
-
 using namespace rlslab;
 using namespace rlslab::c;
 

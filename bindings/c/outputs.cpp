@@ -1,20 +1,12 @@
 // Several outputs from C: rlslab_outputs is a native::Outputs.
 #include "bindings/c/border.hpp"
 
-#include <rlslab/catalogue/native/outputs.hpp>
-
 #include <algorithm>
 
 using namespace rlslab;
 using namespace rlslab::c;
 
 namespace {
-
-native::Outputs& of(rlslab_outputs* filter) { return *reinterpret_cast<native::Outputs*>(filter); }
-native::Outputs const& of(rlslab_outputs const* filter) { return *reinterpret_cast<native::Outputs const*>(filter); }
-rlslab_outputs* handle(std::unique_ptr<native::Outputs> filter) {
-    return reinterpret_cast<rlslab_outputs*>(filter.release());
-}
 
 template <class T>
 rlslab_status update(rlslab_outputs* filter, T const* psi, T const* y, rlslab_step* steps) noexcept {
@@ -50,24 +42,13 @@ rlslab_status matrix(rlslab_outputs const* filter, double* out, bool covariance)
 
 rlslab_status rlslab_outputs_new(char const* variant, char const* arithmetic, std::size_t outputs,
                                  rlslab_options const* options, rlslab_outputs** out) {
-    if (!out) return null_among({{"out", out}});
-    *out = nullptr;
-    Request const request{variant, arithmetic, options, 1, outputs};
-    if (rlslab_status const status = request.readable()) return status;
-    return guarded([&] { *out = handle(native::make_outputs(variant, arithmetic, index(outputs), request.read())); },
-                   request.refused());
+    return make(Request{variant, arithmetic, options, 1, outputs}, out, [&](native::Options const& read) {
+        return native::make_outputs(variant, arithmetic, index(outputs), read);
+    });
 }
-rlslab_status rlslab_outputs_copy(rlslab_outputs const* filter, rlslab_outputs** out) {
-    if (!out) return null_among({{"out", out}});
-    *out = nullptr;
-    if (!filter) return null_among({{"filter", filter}});
-    return guarded([&] { *out = handle(of(filter).clone()); });
-}
+rlslab_status rlslab_outputs_copy(rlslab_outputs const* filter, rlslab_outputs** out) { return copy(filter, out); }
 void rlslab_outputs_free(rlslab_outputs* filter) { delete reinterpret_cast<native::Outputs*>(filter); }
-rlslab_status rlslab_outputs_reset(rlslab_outputs* filter) {
-    if (!filter) return null_among({{"filter", filter}});
-    return guarded([&] { of(filter).reset(); });
-}
+rlslab_status rlslab_outputs_reset(rlslab_outputs* filter) { return reset(filter); }
 std::size_t rlslab_outputs_size(rlslab_outputs const* filter) { return filter ? std::size_t(of(filter).size()) : 0; }
 std::size_t rlslab_outputs_count(rlslab_outputs const* filter) {
     return filter ? std::size_t(of(filter).outputs()) : 0;
@@ -91,11 +72,7 @@ rlslab_status rlslab_outputs_add(rlslab_outputs* filter, std::size_t more) {
     if (!filter) return null_among({{"filter", filter}});
     return guarded([&] { of(filter).add_outputs(index(more)); });
 }
-rlslab_status rlslab_outputs_merge(rlslab_outputs* filter, rlslab_outputs const* newer) {
-    if (!filter || !newer) return null_among({{"filter", filter}, {"newer", newer}});
-    return guarded([&] { of(filter).merge(of(newer)); },
-                   of(filter).variant() == "qr_block" ? RLSLAB_INVALID : RLSLAB_ABILITY);
-}
+rlslab_status rlslab_outputs_merge(rlslab_outputs* filter, rlslab_outputs const* newer) { return merge(filter, newer); }
 
 rlslab_status rlslab_outputs_theta(rlslab_outputs const* filter, double* out) {
     return numbers<&native::Outputs::theta>(filter, out);
@@ -110,14 +87,12 @@ rlslab_status rlslab_outputs_factor(rlslab_outputs const* filter, double* out) {
 std::int32_t rlslab_outputs_health(rlslab_outputs const* filter) { return filter ? of(filter).health() : -1; }
 std::int64_t rlslab_outputs_left_out(rlslab_outputs const* filter) { return filter ? of(filter).left_out() : -1; }
 
-std::size_t rlslab_outputs_state_size(rlslab_outputs const* filter) { return filter ? state_size(of(filter)) : 0; }
+std::size_t rlslab_outputs_state_size(rlslab_outputs const* filter) { return state_size(filter); }
 rlslab_status rlslab_outputs_save(rlslab_outputs const* filter, void* to, std::size_t room) {
-    if (!filter || !to) return null_among({{"filter", filter}, {"to", to}});
-    return save(of(filter), to, room);
+    return save(filter, to, room);
 }
 rlslab_status rlslab_outputs_load(rlslab_outputs* filter, void const* from, std::size_t bytes) {
-    if (!filter || !from) return null_among({{"filter", filter}, {"from", from}});
-    return load(of(filter), from, bytes);
+    return load(filter, from, bytes);
 }
 rlslab_status rlslab_use_threads(std::size_t threads) {
     return guarded([&] { native::use_threads(index(threads)); });

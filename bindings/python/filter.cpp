@@ -342,7 +342,7 @@ array([0.])
 
 PyMethodDef methods[] = {{"update", as_method(update), METH_FASTCALL | METH_KEYWORDS, update_text},
                          {"_update_many", as_method(update_many), METH_FASTCALL, nullptr},
-                         {"_theta_path", as_method(theta_path), METH_FASTCALL, nullptr},
+                         {"_theta_path", as_method(asked::theta_path), METH_FASTCALL, nullptr},
                          {"pass_time", pass_time, METH_NOARGS, pass_time_text},
                          {"reset", reset<Filter>, METH_NOARGS, reset_text},
                          {"_remove", asked::remove, METH_VARARGS, nullptr},

@@ -245,8 +245,6 @@ PyObject* step_type();
 PyObject* counts_type();
 /// (X, y, groups or None, window, forgetting, min_periods, arrays or None in the order of rlslab::Rolled).
 PyObject* rolling(PyObject*, PyObject* args);
-/// Of a filter: (Psi, y, room for the steps, room for theta after each row).
-PyObject* theta_path(PyObject* self, PyObject* const* args, Py_ssize_t n);
 /// Whoever makes rows of what is not an array or a list: called with (psi, d), returns an array of d numbers.
 extern PyObject* row_of;
 /// Likewise of what is not one of these types: called with y, returns a float.

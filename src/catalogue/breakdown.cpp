@@ -3,8 +3,6 @@
 
 #include <rlslab/reference/definiteness.hpp>
 
-#include <algorithm>
-
 namespace rlslab {
 
 Health breakdown(AnyFilter const& filter, Arithmetic const& arithmetic, Health last) {
@@ -14,8 +12,6 @@ Health breakdown(AnyFilter const& filter, Arithmetic const& arithmetic, Health l
     return stored == Health::sound && last == Health::nonfinite && !is_finite(filter.theta()) ? last : stored;
 }
 
-bool is_finite(Vector<Reference> const& x) {
-    return std::all_of(x.begin(), x.end(), [](Reference const& v) { return is_finite(v); });
-}
+bool is_finite(Vector<Reference> const& x) { return x.allFinite(); }
 
 }  // namespace rlslab

@@ -6,8 +6,8 @@
 namespace rlslab {
 
 /// The composition around the variant, numbers rounded to T. Throws std::invalid_argument where they are then no
-/// options: a variance that is 0 or infinite there. There is no contradiction and no obstacle. Exists in float and
-/// double (compose.cpp), and in Reference (reference_compositions.cpp).
+/// options: a variance that is 0 or infinite there. There is no contradiction and no obstacle. Exists in float,
+/// double and Reference (compose.cpp).
 template <Real T>
 AnyAdaptive<T> composed_around(Composition const& composition, GuardOptions<double> const& guard_options,
                                std::string_view variant, Problem<T> const& problem);

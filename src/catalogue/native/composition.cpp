@@ -1,8 +1,10 @@
-// Rules of forgetting, windows and guards by name: which there are, and which variant they go around.
+// Rules of forgetting, windows and guards by name: which there are, which variant they go around, and what each variant
+// lets others do to its state.
 #include <rlslab/catalogue/native/composition.hpp>
 #include <rlslab/catalogue/native/compose.hpp>
 
 #include <rlslab/adapt/rules.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -56,6 +58,20 @@ GuardPolicy Composition::policy() const {
     NamedPolicy const* const named = find_policy(guard);
     expects(named != nullptr, "the name of a guard's policy");
     return named->policy;
+}
+
+VariantAbilities abilities_of(std::string_view variant) {
+    VariantAbilities out;
+    for_each(Variants<double>{}, [&]<class F>() {
+        if (F::name != variant) return;
+        out.single_rows = !TakesBlocks<F>;
+        out.walks = std::constructible_from<F, Problem<double>, Matrix<double>>;
+        out.abilities = abilities_by_type<F>();
+        for_each(Rules<double>{}, [&]<class Rule>() {
+            if constexpr (ForgettingRule<Rule, F>) out.rules.push_back(Rule::name);
+        });
+    });
+    return out;
 }
 
 std::string contradiction(Composition const& c) {

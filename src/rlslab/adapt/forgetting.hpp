@@ -8,7 +8,6 @@
 
 #include <limits>
 #include <tuple>
-#include <utility>
 
 namespace rlslab {
 

@@ -3,11 +3,9 @@
 
 #include <rlslab/adapt/outputs.hpp>
 
-#include <algorithm>
 #include <array>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 namespace rlslab {
 

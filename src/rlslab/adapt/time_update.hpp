@@ -6,8 +6,6 @@
 #include <rlslab/linalg/forms.hpp>
 #include <rlslab/linalg/rotations.hpp>
 
-#include <cmath>
-
 namespace rlslab {
 
 // With P^-1 = X: Discount(lambda)   X -> lambda X                theta as it is

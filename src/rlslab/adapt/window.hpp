@@ -7,9 +7,7 @@
 #include <rlslab/adapt/look.hpp>
 #include <rlslab/adapt/remove.hpp>
 
-#include <limits>
 #include <tuple>
-#include <type_traits>
 #include <vector>
 
 namespace rlslab {

@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <compare>
-#include <concepts>
 #include <mutex>
 
 namespace rlslab {

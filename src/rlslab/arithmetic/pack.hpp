@@ -241,26 +241,11 @@ struct PerLaneOf<Pack<T, L>, X> {
 template <class T, int L>
 struct ArithmeticTraits<Pack<T, L>> : ArithmeticTraits<T> {};
 
-/// Lane after lane.
-template <class T, int L>
-struct Encoding<Pack<T, L>> {
-    static constexpr std::size_t size = L * Encoding<T>::size;
-    static void write(Pack<T, L> const& x, std::byte* to) {
-        for (int i = 0; i < L; ++i) Encoding<T>::write(x[i], to + std::size_t(i) * Encoding<T>::size);
-    }
-    static bool read(std::byte const* from, Pack<T, L>& x) {
-        T lane;
-        for (int i = 0; i < L; ++i, from += Encoding<T>::size) {
-            if (!Encoding<T>::read(from, lane)) return false;
-            x.set(i, lane);
-        }
-        return true;
-    }
-};
+/// Lane after lane, also of what has such lanes.
 template <Encodable X, int L>
 struct Encoding<Lanes<X, L>> {
     static constexpr std::size_t size = L * Encoding<X>::size;
-    static void write(Lanes<X, L> const& x, std::byte* to) {
+    static void write(auto const& x, std::byte* to) {
         for (int i = 0; i < L; ++i) Encoding<X>::write(x[i], to + std::size_t(i) * Encoding<X>::size);
     }
     static bool read(std::byte const* from, Lanes<X, L>& x) {
@@ -272,11 +257,16 @@ struct Encoding<Lanes<X, L>> {
     }
 };
 template <class T, int L>
-struct Encoding<PackMask<T, L>> {
-    static constexpr std::size_t size = L;
-    static void write(PackMask<T, L> const& x, std::byte* to) {
-        for (int i = 0; i < L; ++i) Encoding<bool>::write(x[i], to + i);
+struct Encoding<Pack<T, L>> : Encoding<Lanes<T, L>> {
+    static bool read(std::byte const* from, Pack<T, L>& x) {
+        Lanes<T, L> lanes;
+        bool const read = Encoding<Lanes<T, L>>::read(from, lanes);
+        x = Pack<T, L>(lanes.value);
+        return read;
     }
+};
+template <class T, int L>
+struct Encoding<PackMask<T, L>> : Encoding<Lanes<bool, L>> {
     static bool read(std::byte const* from, PackMask<T, L>& x) {
         Lanes<bool, L> truths;
         bool const read = Encoding<Lanes<bool, L>>::read(from, truths);

@@ -147,9 +147,7 @@ template <class Pass>
 constexpr bool one_pass_is_faster(Isa on, Index d) {
     return uses_wide_registers<ThenMultiply<Pass>>(on, d) || d >= one_pass_from<Pass>;
 }
-}  // namespace kernels
 
-namespace kernels {
 /// Runs the text for the processor at hand. With RLSLAB_COMPILED_KERNELS it stands in the library rlslab::kernels, for
 /// every kernel of float and double; otherwise it is compiled here. The bits are the same.
 template <class T, class Kernel>

@@ -3,7 +3,6 @@
 
 #include <rlslab/core/problem.hpp>
 
-#include <algorithm>
 #include <concepts>
 
 namespace rlslab {

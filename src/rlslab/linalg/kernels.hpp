@@ -10,10 +10,72 @@
 // docstring says so.
 #pragma once
 
-#include <rlslab/linalg/complex_vectors.hpp>
 #include <rlslab/linalg/dispatch.hpp>
 
+#include <tuple>
+
 namespace rlslab {
+
+/// x / r for 1/2 <= r <= 1, computed as x + x c with c = (1 - r) / r: no division in the loop. 1 - r is exact there, so
+/// that the error of c adds at most about (1 - r) / r units in the last place. The product of x with the rounded 1 / r
+/// would repeat one and the same error at every step, which sums to u / (1 - r) in a stationary filter. r = 1 leaves x
+/// as it is. For r < 1/2 the result is x / r to a few u.
+template <Field T>
+class DivisorNearOne {
+    T correction_;
+
+public:
+    explicit DivisorNearOne(T const& r) : correction_((T(1) - r) / r) {}
+    T operator()(T const& x) const { return x + x * correction_; }
+    template <ComplexScalar C>
+        requires std::same_as<RealOf<C>, T>
+    C operator()(C const& x) const {
+        return x + x * correction_;
+    }
+    T const& correction() const { return correction_; }
+    static auto state(auto& divisor) { return std::tie(divisor.correction_); }
+};
+
+// --- complex vectors: each part of a number has the bits that a real one gets below; any argument may be any other ---
+
+/// out = x / s,  x / y,  x / r,  x y,  y x,  a x; s, y, r and a are real.
+template <ComplexScalar T, int N>
+void divide(StateVector<T, N> const& x, std::type_identity_t<RealOf<T>> const& s, StateVector<T, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = x[i] / s;
+}
+template <ComplexScalar T, int N>
+void divide(StateVector<T, N> const& x, StateVector<RealOf<T>, N> const& y, StateVector<T, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = x[i] / y[i];
+}
+template <ComplexScalar T, int N>
+void divide(StateVector<T, N> const& x, DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = by_r(x[i]);
+}
+template <ComplexScalar T, int N>
+void scale(StateVector<T, N> const& x, StateVector<RealOf<T>, N> const& y, StateVector<T, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = x[i] * y[i];
+}
+template <ComplexScalar T, int N>
+void scale(StateVector<RealOf<T>, N> const& y, StateVector<T, N> const& x, StateVector<T, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = y[i] * x[i];
+}
+template <ComplexScalar T, int N>
+void scale(StateVector<T, N> const& x, std::type_identity_t<RealOf<T>> const& a, StateVector<T, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = a * x[i];
+}
+
+/// out_i = Re(y_i' z_i) and out_i = x_i + Re(y_i' z_i): real where z is a real multiple of y.
+template <ComplexScalar T, int N>
+void scale_conjugated(StateVector<T, N> const& y, StateVector<T, N> const& z, StateVector<RealOf<T>, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = real_part(conjugate(y[i]) * z[i]);
+}
+template <ComplexScalar T, int N>
+void add_product(StateVector<RealOf<T>, N> const& x, StateVector<T, N> const& y, StateVector<T, N> const& z,
+                 StateVector<RealOf<T>, N>& out) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = x[i] + real_part(conjugate(y[i]) * z[i]);
+}
+
+// --- vectors and matrices --------------------------------------------------------------------------------------------
 
 /// x'y, in the order above. In these functions ' conjugates where the numbers are complex.
 template <Scalar T, int N>

@@ -6,8 +6,6 @@
 #include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
-#include <functional>
-
 namespace rlslab {
 
 /// `together` rows that are rotated into [r R  r z], R = L', with the bits of rotate_in for one after another: a

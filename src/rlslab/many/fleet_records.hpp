@@ -139,16 +139,10 @@ struct RecordReading : BareCounts {
     [[gnu::always_inline]] void one(P& x) { x = P(1); }
 };
 
-template <class F>
-inline constexpr bool stores_a_square = false;
-template <class F>
-    requires requires(F f) { f.form().P; }
-inline constexpr bool stores_a_square<F> = true;
 template <class T, int N>
 void is_a_square(RootCovariance<T, N, false> const&);
 template <class F>
-    requires requires(F f) { is_a_square(f.form()); }
-inline constexpr bool stores_a_square<F> = true;
+concept StoresASquare = requires(F f) { f.form().P; } || requires(F f) { is_a_square(f.form()); };
 
 /// Groups of filters F in lockstep, without their gains and, where all have the same, without their constants: records,
 /// each read into an F for an update and written back. Where the size is not fixed and F stores a square, or its form
@@ -161,7 +155,7 @@ class FleetRecords {
 
 public:
     static constexpr bool in_place =
-        IsGuarded<F> || (size_of<F> == Dynamic && (stores_a_square<F> || !IsItsForm<F, RecordSize<P>>));
+        IsGuarded<F> || (size_of<F> == Dynamic && (StoresASquare<F> || !IsItsForm<F, RecordSize<P>>));
 
 private:
     F pattern_;

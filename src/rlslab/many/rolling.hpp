@@ -7,7 +7,6 @@
 #include <rlslab/many/threads.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 namespace rlslab {

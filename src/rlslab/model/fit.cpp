@@ -71,14 +71,13 @@ struct Triangle {
     }
 };
 
-/// (R'R)^-1 = R^-1 R^-T, a column at a time.
-Matrix<double> inverse_gram(StateMatrix<double> const& L) {
-    Index const d = L.size();
+/// The inverse of what `solved` solves for, d x d, a column at a time.
+Matrix<double> inverse_by(Index d, auto const& solved) {
     Matrix<double> out(d, d);
     for (Index j = 0; j < d; ++j) {
         StateVector<double> unit(d);
         unit[j] = 1;
-        out.col(j) = solved_outer(L, unit);
+        out.col(j) = solved(unit);
     }
     return out;
 }
@@ -140,7 +139,9 @@ void solve_by_qr(Triangle const& triangle, Fit& out) {
     for (Index i = 0; i < triangle.z.size(); ++i) out.rank += triangle.L(i, i) != 0;
     out.theta =
         regular ? solved_lower_transposed(triangle.L, triangle.z) : Vector<double>::Constant(triangle.z.size(), nan);
-    out.covariance = inverse_gram(triangle.L);
+    out.covariance = inverse_by(triangle.z.size(), [&](StateVector<double> const& unit) {
+        return solved_outer(triangle.L, unit);  // (R'R)^-1
+    });
 }
 
 void solve_by_normal_equations(Records const& records, Fit& out) {
@@ -161,12 +162,7 @@ void solve_by_normal_equations(Records const& records, Fit& out) {
     };
     out.rank = factors ? d : 0;
     out.theta = solved(b);
-    out.covariance.resize(d, d);
-    for (Index j = 0; j < d; ++j) {
-        StateVector<double> unit(d);
-        unit[j] = 1;
-        out.covariance.col(j) = solved(unit);
-    }
+    out.covariance = inverse_by(d, solved);
 }
 
 /// R = U W': theta = sum over what is kept of w_j (u_j'z) / sigma_j^2.

@@ -17,7 +17,6 @@
 #include <flint/fmpq.h>
 #include <flint/fmpz_mat.h>
 
-#include <cmath>
 #include <limits>
 #include <utility>
 

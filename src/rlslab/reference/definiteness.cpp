@@ -14,21 +14,11 @@ namespace {
 
 using namespace balls;
 
-bool all_finite(Stored<Reference> const& stored) {
-    auto const finite = [](Reference const& x) { return is_finite(x); };
-    return std::all_of(stored.F.data(), stored.F.data() + stored.F.size(), finite) &&
-           std::all_of(stored.D.data(), stored.D.data() + stored.D.size(), finite);
-}
-
 /// A triangle's determinant is its diagonal's product. 0: has a zero there; 1: has none; -1: not a triangle.
-int triangle_is_regular(Matrix<Reference> const& F) {
-    bool upper = true, lower = true, regular = true;
-    for (Index j = 0; j < F.cols(); ++j) {
-        for (Index i = 0; i < j; ++i) lower = lower && F(i, j) == 0;
-        for (Index i = j + 1; i < F.rows(); ++i) upper = upper && F(i, j) == 0;
-        regular = regular && F(j, j) != 0;
-    }
-    return upper || lower ? int(regular) : -1;
+template <class T>
+int triangle_is_regular(Matrix<T> const& F) {
+    if (!F.isUpperTriangular(T(0)) && !F.isLowerTriangular(T(0))) return -1;
+    return int((F.diagonal().array() != T(0)).all());
 }
 
 /// F + F' = L D L' in place, one column at a time. The number of pivots shown positive before one that is not; that
@@ -73,7 +63,7 @@ Health definiteness_of_plain(Matrix<Reference> const& F) {
 Health definiteness(Stored<Reference> const& stored) {
     expects(stored.F.rows() == stored.F.cols(), "a square F");
     expects(stored.D.size() == 0 || stored.D.size() == stored.F.rows(), "D of F's size");
-    if (!all_finite(stored)) return Health::nonfinite;
+    if (!stored.F.allFinite() || !stored.D.allFinite()) return Health::nonfinite;
     if (stored.form == Stored<Reference>::Form::plain) return definiteness_of_plain(stored.F);
     for (Reference const& d : stored.D)
         if (d <= 0) return Health::indefinite;
@@ -161,16 +151,8 @@ bool plain_is_positive(Matrix<double> const& F, double rho) {
 bool factor_is_positive(Matrix<double> const& F, Vector<double> const& D, double rho) {
     for (double const x : D)
         if (!(x > 0 && std::isfinite(x))) return false;
-    bool upper = true, lower = true, regular = true;
-    for (Index j = 0; j < F.cols(); ++j) {
-        for (Index i = 0; i < F.rows(); ++i) {
-            if (!std::isfinite(F(i, j))) return false;
-            if (i < j && F(i, j) != 0) lower = false;
-            if (i > j && F(i, j) != 0) upper = false;
-        }
-        regular = regular && F(j, j) != 0;
-    }
-    if (upper || lower) return regular;
+    if (!F.allFinite()) return false;
+    if (int const regular = triangle_is_regular(F); regular >= 0) return regular == 1;
     return rho == 0 && balls::surely_nonsingular(F);
 }
 

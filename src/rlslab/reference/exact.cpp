@@ -44,28 +44,13 @@ double digits_between(BallMatrix const& A, BallMatrix const& B, long bits) {
     return proven_digits(error);
 }
 
-template <class Derived>
-bool all_finite(Eigen::MatrixBase<Derived> const& A) {
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i)
-            if (!is_finite(A(i, j))) return false;
-    return true;
-}
-
-bool upper_triangular(Matrix<Reference> const& A) {
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = j + 1; i < A.rows(); ++i)
-            if (A(i, j) != 0) return false;
-    return true;
-}
-
 /// A^-1 at this precision; false: not shown to be invertible.
 bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
     BallMatrix identity(A.rows(), A.cols());
     arb_mat_one(identity);
     inverse = BallMatrix(A.rows(), A.cols());
-    bool const upper = upper_triangular(A);
-    if (!upper && !upper_triangular(A.transpose())) return arb_mat_inv(inverse, exact(A), bits) != 0;
+    bool const upper = A.isUpperTriangular(Reference(0));
+    if (!upper && !A.isLowerTriangular(Reference(0))) return arb_mat_inv(inverse, exact(A), bits) != 0;
     if ((A.diagonal().array() == Reference(0)).any()) return false;
     if (upper) arb_mat_solve_triu(inverse, exact(A), identity, 0, bits);
     else arb_mat_solve_tril(inverse, exact(A), identity, 0, bits);
@@ -185,13 +170,13 @@ std::vector<std::string> CertifiedSolution::theta_strings(int digits) const {
 
 double CertifiedSolution::theta_digits(Vector<Reference> const& estimate) const {
     expects(estimate.size() == size_, "an estimate of the solution's size");
-    if (!enclosure_ || !all_finite(estimate)) return nan;
+    if (!enclosure_ || !estimate.allFinite()) return nan;
     return digits_between(exact(estimate), enclosure_->theta, enclosure_->bits + 257);
 }
 
 double CertifiedSolution::theta_digits_worst(Vector<Reference> const& estimate) const {
     expects(estimate.size() == size_, "an estimate of the solution's size");
-    if (!enclosure_ || !all_finite(estimate)) return nan;
+    if (!enclosure_ || !estimate.allFinite()) return nan;
     long const bits = enclosure_->bits + 257;
     double worst = infinity;
     for (Index i = 0; i < size_; ++i) {
@@ -210,7 +195,7 @@ double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) c
     auto const& [of, kind, F, D] = estimate;
     expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_),
             "an estimate of the solution's size");
-    if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
+    if (!enclosure_ || !F.allFinite() || !D.allFinite()) return nan;
     // As precise as the solution itself: relative to its largest entry, three digits more than `certified` was called
     // with.
     long const needed = bits_for(enclosure_->digits + 3);

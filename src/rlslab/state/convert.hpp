@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/finite.hpp>
 #include <rlslab/linalg/triangle_of_stored.hpp>
 
 namespace rlslab {
@@ -37,13 +38,6 @@ struct [[nodiscard]] Converted {
 };
 
 namespace detail {
-
-template <class T>
-bool is_finite_vector(Vector<T> const& x) {
-    for (T const& number : x)
-        if (!is_finite(number)) return false;
-    return true;
-}
 
 template <class T>
 Health health_of(Triangle<T> const& factor) {
@@ -97,7 +91,7 @@ Health hand_over(Stored<S> const& from, Vector<S> const& theta, Stored<T> const&
     Triangle<T> rounded(*problem.prior->stored);
     bool const held =
         health_of(rounded.turn_into(rounded.covariance, by_unit_triangle(*problem.prior->stored))) == Health::sound;
-    return held && is_finite_vector(start) ? Health::sound : Health::nonfinite;
+    return held && all_finite<T>(start) ? Health::sound : Health::nonfinite;
 }
 
 }  // namespace detail

@@ -54,7 +54,7 @@ struct InformationRows {
         health = health_of(factor.turn_into(false, true));
         StateVector<T> theta(given.size());
         for (Index i = 0; i < given.size(); ++i) theta[i] = given[i];
-        if (!is_finite_vector(given)) health = worse(health, Health::nonfinite);
+        if (!all_finite<T>(given)) health = worse(health, Health::nonfinite);
         L = factor.F;
         D = factor.D;
         z = theta;
@@ -82,7 +82,7 @@ Health merge_rows(InformationRows<T>& sum, InformationRows<T> const& added, Info
     start.prior->stored =
         Stored<T>{Stored<T>::Quantity::information, Stored<T>::Form::factor, sum.L.view(), sum.D.view()};
     Health const health = health_of(Triangle<T>(*start.prior->stored).turn_into(false, true));
-    return worse(health, is_finite_vector(*start.prior->theta) ? Health::sound : Health::nonfinite);
+    return worse(health, all_finite<T>(*start.prior->theta) ? Health::sound : Health::nonfinite);
 }
 
 }  // namespace detail

@@ -31,22 +31,6 @@ enum class Type : std::uint32_t {
 };
 constexpr std::uint32_t flag_complex = 0x0800;
 
-std::size_t size_of(Type type) {
-    switch (type) {
-        case Type::int8:
-        case Type::uint8: return 1;
-        case Type::int16:
-        case Type::uint16: return 2;
-        case Type::int32:
-        case Type::uint32:
-        case Type::binary32: return 4;
-        case Type::binary64:
-        case Type::int64:
-        case Type::uint64: return 8;
-        default: return 0;
-    }
-}
-
 /// A reader of a stream of bytes whose remaining number is known.
 class Reader {
     ByteSource bytes_;
@@ -128,18 +112,26 @@ std::string contents(Reader& r, char const* of, std::size_t unit) {
     return out;
 }
 
-double widened(Reader const& r, Type type, std::span<char const> at) {
+/// How numbers of a type are kept.
+struct Kept {
+    std::size_t bytes;  // 0: it has none
+    double (*read)(Reader const&, std::span<char const>);
+};
+template <class T>
+constexpr Kept kept_as{sizeof(T), [](Reader const& r, std::span<char const> at) { return double(r.number<T>(at)); }};
+Kept kept(Type type) {
     switch (type) {
-        case Type::int8: return double(r.number<std::int8_t>(at));
-        case Type::uint8: return double(r.number<std::uint8_t>(at));
-        case Type::int16: return double(r.number<std::int16_t>(at));
-        case Type::uint16: return double(r.number<std::uint16_t>(at));
-        case Type::int32: return double(r.number<std::int32_t>(at));
-        case Type::uint32: return double(r.number<std::uint32_t>(at));
-        case Type::binary32: return double(r.number<float>(at));
-        case Type::int64: return double(r.number<std::int64_t>(at));
-        case Type::uint64: return double(r.number<std::uint64_t>(at));
-        default: return r.number<double>(at);
+        case Type::int8: return kept_as<std::int8_t>;
+        case Type::uint8: return kept_as<std::uint8_t>;
+        case Type::int16: return kept_as<std::int16_t>;
+        case Type::uint16: return kept_as<std::uint16_t>;
+        case Type::int32: return kept_as<std::int32_t>;
+        case Type::uint32: return kept_as<std::uint32_t>;
+        case Type::binary32: return kept_as<float>;
+        case Type::binary64: return kept_as<double>;
+        case Type::int64: return kept_as<std::int64_t>;
+        case Type::uint64: return kept_as<std::uint64_t>;
+        default: return {0, nullptr};
     }
 }
 
@@ -148,7 +140,7 @@ void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& req
     std::vector<std::size_t> const requested_columns = columns_requested(v, requested);
     if (requested_columns.empty()) return;
     Tag const tag = tag_within(r, "numbers");
-    std::size_t const size = size_of(tag.type);
+    auto const [size, read] = kept(tag.type);
     if (size == 0 || tag.bytes != size * v.rows * v.cols)
         r.fail(fmt::format("{}: {} bytes of numbers for {} x {}", printable(v.name), tag.bytes, v.rows, v.cols));
     std::array<char, 4096> chunk;
@@ -159,8 +151,7 @@ void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& req
             std::span<char> const raw = std::span(chunk).first(count * size);
             if (tag.small) std::copy_n(tag.here.begin() + long((j * v.rows + i) * size), raw.size(), raw.begin());
             else r.need(raw);
-            for (std::size_t k = 0; k < count && !skipped; ++k)
-                v.values[j].push_back(widened(r, tag.type, raw.subspan(k * size)));
+            for (std::size_t k = 0; k < count && !skipped; ++k) v.values[j].push_back(read(r, raw.subspan(k * size)));
         }
     }
 }

@@ -18,6 +18,20 @@ template <class B, class S>
     x.store(s.x + j0);
 }
 
+/// The same in the m columns of the corner on the diagonal at i0: what is above the diagonal stays, and with `behind` 1
+/// the diagonal, too.
+template <class B, class S>
+[[gnu::always_inline]] inline void corner_in_place(S const& s, Index i0, Index m, Index behind, B& x) {
+#pragma GCC unroll 8
+    for (Index i = 0; i < m; ++i) {
+        auto* const column = s.L + (i0 + i) * s.ld + i0;
+        B t;
+        t.load(column);
+        step(s, i0 + i, t, x);
+        t.store_present(column, {i + behind, m});
+    }
+}
+
 // x_j -= x_i L_ji
 template <class B, class T>
 [[gnu::always_inline]] inline void step(Eliminate<T> const& s, Index i, B& t, B& x) {
@@ -169,17 +183,8 @@ template <class B, class T>
 [[gnu::always_inline]] inline void evaluate(SweepGentleman<T> const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         if constexpr (B::rows > 1) {
-            B x;
-            Index const m = rows_of<B>(i0, s.d).last;
-            x.load(s.x + i0);
-#pragma GCC unroll 8
-            for (Index i = 0; i < m; ++i) {
-                T* const column = s.L + (i0 + i) * s.ld + i0;
-                B t;
-                t.load(column);
-                step(s, i0 + i, t, x);
-                t.store_present(column, {i + 1, m});
-            }
+            B x = block_of<B>(s.x, i0);
+            corner_in_place(s, i0, rows_of<B>(i0, s.d).last, 1, x);
         }
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
     }
@@ -224,14 +229,7 @@ template <class B, class T>
         c.divide(D);
         turn.divide(D);
         D.store(s.D + i0), c.store(s.c + i0), turn.store(s.s + i0);
-#pragma GCC unroll 8
-        for (Index i = 0; i < present.last; ++i) {
-            T* const column = s.L + (i0 + i) * s.ld + i0;
-            B t;
-            t.load(column);
-            step(s, i0 + i, t, row);
-            t.store_present(column, {i + 1, present.last});
-        }
+        corner_in_place(s, i0, present.last, 1, row);
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
         for (Index i = i0; i < i0 + present.last; ++i) {
             T const t = s.z[i], turned = s.s[i] * eta;
@@ -314,7 +312,8 @@ template <class B, class T>
 /// A corner's substitution is a chain, and so are its roots and quotients after it; the panels are neither. So the next
 /// corner goes ahead of this one's panels: it needs only what u makes of its part of x, which is computed twice.
 template <class B, class S>
-[[gnu::always_inline]] inline void solve_rotations(S const& s) {
+    requires(B::rows > 1 && std::derived_from<S, SolveRotations<typename B::scalar>>)
+[[gnu::always_inline]] inline void evaluate(S const& s) {
     using T = typename B::scalar;
     T sum = *s.sum, eta = *s.eta, root = s.root_lambda;
     B row = block_of<B>(s.x, 0), u = substituted(s, 0, rows_of<B>(0, s.d).last, row);
@@ -328,15 +327,7 @@ template <class B, class S>
             for (Index i = i0; i < next; ++i) ahead.subtract_product(block_of<B>(s.L + i * s.ld, next), s.u[i]);
             u = substituted(s, next, rows_of<B>(next, s.d).last, ahead);
         }
-        if constexpr (S::writes)
-#pragma GCC unroll 8
-            for (Index i = 0; i < present.last; ++i) {
-                T* const column = s.L + (i0 + i) * s.ld + i0;
-                B t;
-                t.load(column);
-                step(s, i0 + i, t, row);
-                t.store_present(column, {i, present.last});
-            }
+        if constexpr (S::writes) corner_in_place(s, i0, present.last, 0, row);
         for (Index j0 = S::writes ? next : next + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
         for (Index i = i0; i < i0 + present.last; ++i) {
             T const t = s.z[i], turned = s.s[i] * eta;
@@ -346,16 +337,6 @@ template <class B, class S>
         row = ahead;
     }
     *s.sum = sum, *s.eta = eta;
-}
-template <class B, class T>
-    requires(B::rows > 1)
-[[gnu::always_inline]] inline void evaluate(SolveRotations<T> const& s) {
-    solve_rotations<B>(s);
-}
-template <class B, class T>
-    requires(B::rows > 1)
-[[gnu::always_inline]] inline void evaluate(FoldQr<T> const& s) {
-    solve_rotations<B>(s);
 }
 
 /// Rows that go out: the columns from the last to the first, a block of x in registers. Above the diagonal zeros are

@@ -133,32 +133,19 @@ template <class B, int K, Sweep S>
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
 }
 
-// What a pass does besides with the block m of column j that it leaves: nothing, or the sum over the columns that
-// ThenMultiply asks for. The sums start from -0, to which the first product is added without a change.
+// What a pass does besides with the blocks that it leaves (columns.hpp).
 struct NothingElse {
     void begin(Index) {}
     template <class B>
     [[gnu::always_inline]] void add(int, B const&) {}
     void end(Index) {}
 };
-template <class B, int K, class T>
-struct SumOfColumns {
-    B sum[K];
-    T const* x;
-    [[gnu::always_inline]] explicit SumOfColumns(T const* from) : x(from) {
-        for (B& s : sum) s.empty_sum();
-    }
-    [[gnu::always_inline]] void add(int m, B const& t, Index j) { sum[m].add_product(t, x[j]); }
-    [[gnu::always_inline]] void store(T* to) const {
-#pragma GCC unroll 16
-        for (int m = 0; m < K; ++m) sum[m].store(to + m * B::rows);
-    }
-};
 
+/// The product's sums start from -0, to which the first term is added without a change.
 template <class B, int K, Sweep S>
 [[gnu::always_inline]] inline void rows(ThenMultiply<S> const& s, Index i0) {
-    B w[K];
-    SumOfColumns<B, K, typename B::scalar> product(s.x);
+    B w[K], product[K];
+    for (B& sum : product) sum.empty_sum();
 #pragma GCC unroll 16
     for (int m = 0; m < K; ++m) w[m].load(s.w + i0 + m * B::rows);
     for (Index j = 0; j < s.d; ++j) {
@@ -169,10 +156,11 @@ template <class B, int K, Sweep S>
             t.load(column + m * B::rows);
             step(s, s.at(j), t, w[m]);
             t.store(column + m * B::rows);
-            product.add(m, t, j);
+            product[m].add_product(t, s.x[j]);
         }
     }
-    product.store(s.out + i0);
+#pragma GCC unroll 16
+    for (int m = 0; m < K; ++m) product[m].store(s.out + i0 + m * B::rows);
 }
 
 // P = (P - (K g' + g K')) / lambda, with two running vectors.
