@@ -3,7 +3,7 @@
 
 #include <rlslab/studies/factors.hpp>
 
-#include <rlslab/core/input_error.hpp>
+#include "src/lab/report/refuse.hpp"
 
 #include <fmt/format.h>
 #include <fstream>
@@ -143,8 +143,7 @@ std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& fact
         if (!study.admits || study.admits(trial)) out.push_back(trial);
     }
     if (out.empty() && options.changed())
-        throw InputError(
-            fmt::format("--set: study {} admits none of these combinations: {}", study.name, changes_of(options)));
+        refuse("--set: study {} admits none of these combinations: {}", study.name, changes_of(options));
     return out;
 }
 
@@ -308,8 +307,7 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
         missing += run.trials.size() - found;
         if (first.empty() && found < run.trials.size()) first = study->name;
     }
-    if (missing > 0)
-        throw InputError(fmt::format("merge: {} of {} trials are missing, the first of {}", missing, trials, first));
+    if (missing > 0) refuse("merge: {} of {} trials are missing, the first of {}", missing, trials, first);
     create_folder(options.out / ".trials");
     if (!lock) lock.emplace(options.out);
     for (Merged const& merged : all) write_journal(options.out / ".trials", merged.name, merged.key, merged.finished);

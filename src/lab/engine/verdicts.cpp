@@ -1,7 +1,7 @@
 // Verdicts: said, counted, recorded.
 #include <rlslab/studies/verdicts.hpp>
 
-#include <rlslab/core/input_error.hpp>
+#include "src/lab/report/refuse.hpp"
 #include <rlslab/input/text.hpp>
 
 #include <algorithm>
@@ -168,12 +168,10 @@ Record record_from(std::string const& json) {
                 if (said == "holds") at = Verdict::holds;
                 else if (said == "fails") at = Verdict::fails;
                 else if (said == "undecided") at = Verdict::undecided;
-                else
-                    throw InputError(fmt::format(
-                        "a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said)));
+                else refuse("a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said));
             }
     } catch (nlohmann::json::exception const&) {
-        throw InputError("a record of verdicts: expected verdicts.json of a run");
+        refuse("a record of verdicts: expected verdicts.json of a run");
     }
     return out;
 }

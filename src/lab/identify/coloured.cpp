@@ -184,7 +184,7 @@ double farthest_from_one(std::vector<double> const& c) {
 Cured with_noise_model(IdentifyOptions const& options, Structure const& structure, Record const& record,
                        Estimate const& estimate) {
     if (estimate.noise_free)
-        throw InputError("--noise-model: the residuals are rounding errors alone: expected a record with noise");
+        refuse("--noise-model: the residuals are rounding errors alone: expected a record with noise");
     int const n = *options.noise_model;
     Rows const rows = fitted_rows(structure.terms, record);
     Records const& r = rows.records;

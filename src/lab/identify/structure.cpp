@@ -160,10 +160,10 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
 }
 
 IdentifyOptions completed(IdentifyOptions o) {
-    if (o.output.empty()) throw InputError("--output: expected the name of the output column");
+    if (o.output.empty()) refuse("--output: expected the name of the output column");
     if (!o.regressors.empty()) {
         if (!o.inputs.empty() || o.order || o.max_order || o.na || !o.nb.empty() || !o.delay.empty())
-            throw InputError("--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
+            refuse("--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
         for (Lagged const& r : listed(o))
             if (r.column != o.output && std::ranges::count(o.inputs, r.column) == 0) o.inputs.push_back(r.column);
         std::vector<int> nearest(o.inputs.size(), largest_lag), furthest(o.inputs.size(), 0);
@@ -182,14 +182,13 @@ IdentifyOptions completed(IdentifyOptions o) {
         for (auto const& [option, given] : {std::pair("--nb", !o.nb.empty()), {"--delay", !o.delay.empty()}})
             if (given) refuse("{}: expected --input, too: it counts samples of an input", option);
         if (o.na && *o.na == 0)
-            throw InputError(
-                "--na: expected 1 or more, or --input, too: without an input y is predicted from its past");
+            refuse("--na: expected 1 or more, or --input, too: without an input y is predicted from its past");
     }
-    if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
+    if (o.order && (o.na || !o.nb.empty())) refuse("--order: does not go with --na and --nb");
     if (o.max_order && (o.order || o.na || !o.nb.empty()))
-        throw InputError("--max-order: does not go with --order, --na and --nb");
-    if (o.na && o.nb.empty() && !o.inputs.empty()) throw InputError("--na: expected --nb, too");
-    if (!o.na && !o.nb.empty()) throw InputError("--nb: expected --na, too");
+        refuse("--max-order: does not go with --order, --na and --nb");
+    if (o.na && o.nb.empty() && !o.inputs.empty()) refuse("--na: expected --nb, too");
+    if (!o.na && !o.nb.empty()) refuse("--nb: expected --na, too");
     if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
     if (o.sample_time && !(1e-15 <= *o.sample_time && *o.sample_time <= 1e15))
         refuse("--sample-time: expected seconds from 1e-15 to 1e15, found {}", *o.sample_time);

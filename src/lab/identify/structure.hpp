@@ -3,18 +3,13 @@
 #pragma once
 
 #include "src/lab/identify/identify.hpp"
+#include "src/lab/report/refuse.hpp"
 
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/model/fit.hpp>
-
-#include <fmt/format.h>
 
 namespace rlslab::identify {
 
-template <class... Values>
-[[noreturn]] void refuse(fmt::format_string<Values...> message, Values&&... values) {
-    throw InputError(fmt::format(message, std::forward<Values>(values)...));
-}
+using report::refuse;
 
 /// The inputs and the output less their means; NaN: a missing value.
 struct Record {

@@ -87,12 +87,10 @@ struct CommandLine {
             if (option == nullptr || takes_nothing(*option) || ++i == words.size()) continue;
             if (option->get_delimiter() == ',' && !words[i].empty() &&
                 words[i].find_first_not_of(',') == std::string::npos)
-                throw InputError(fmt::format("{}: expected {}, found \"{}\"", words[i - 1], option->get_type_name(),
-                                             printable(words[i])));
+                refuse("{}: expected {}, found \"{}\"", words[i - 1], option->get_type_name(), printable(words[i]));
             if (words[i].starts_with("--") &&
                 taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
-                throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1],
-                                             option->get_type_name(), words[i]));
+                refuse("{}: expected {}, found the option {}", words[i - 1], option->get_type_name(), words[i]);
         }
     }
     /// What CLI11 found wrong, in our words.
@@ -126,15 +124,13 @@ struct CommandLine {
         std::vector<std::string> const known = names();
         bool const compares = &misled == &app && std::ranges::find(known, "compare") != known.end();
         if (std::error_code no_file; compares && std::filesystem::is_regular_file(word, no_file))
-            throw InputError(fmt::format(
+            refuse(
                 "\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
                 "if it is a filter's state",
-                printable(word, 1000)));
-        if (compares && word == "advise")
-            throw InputError("advise: it is rlslab compare --digits N now, with the same options");
+                printable(word, 1000));
+        if (compares && word == "advise") refuse("advise: it is rlslab compare --digits N now, with the same options");
         if (&misled == &app) expect_one_of(views(known), word, "", "command");
-        throw InputError(fmt::format("\"{}\" is one word too many ({} {} --help)", printable(word), program_name(),
-                                     misled.get_name()));
+        refuse("\"{}\" is one word too many ({} {} --help)", printable(word), program_name(), misled.get_name());
     }
     /// Names without their dashes are compared: these would make short ones alike.
     [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
@@ -144,8 +140,8 @@ struct CommandLine {
         std::string_view const meant =
             nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
         std::string const help = program_name() + (misled.get_parent() ? ' ' + misled.get_name() : "") + " --help";
-        throw InputError(fmt::format("no option \"{}\" ({})", printable(word),
-                                     meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
+        refuse("no option \"{}\" ({})", printable(word),
+               meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant));
     }
     static std::vector<std::string_view> views(std::vector<std::string> const& names) {
         return {names.begin(), names.end()};
@@ -177,15 +173,14 @@ std::function<int()> parse(std::vector<std::string> words) {
         return [json = line->json] {
             return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : version_text()), 0;
         };
-    if (line->json) throw InputError("--json: expected behind --version or a command");
+    if (line->json) refuse("--json: expected behind --version or a command");
     for (Command const& command : line->commands)
         if (command.app->parsed())
             return [line, run = command.run] {
                 set_output_options(line->output_options);
                 return run();
             };
-    throw InputError(
-        fmt::format("expected a command: {} ({} --help has more)", fmt::join(line->names(), ", "), program_name()));
+    refuse("expected a command: {} ({} --help has more)", fmt::join(line->names(), ", "), program_name());
 }
 
 }  // namespace rlslab::program

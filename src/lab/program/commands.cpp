@@ -134,7 +134,7 @@ void define_format(CLI::App& command, CsvFormat& format) {
 
 void print(std::string const& text) {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-        throw InputError(fmt::format("standard output: cannot write: {}", std::strerror(errno)));
+        refuse("standard output: cannot write: {}", std::strerror(errno));
 }
 
 namespace {

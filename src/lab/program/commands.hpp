@@ -3,6 +3,7 @@
 
 #include "src/lab/report/progress.hpp"
 #include "src/lab/report/provenance.hpp"
+#include "src/lab/report/refuse.hpp"
 
 #include <rlslab/input/formats/open.hpp>
 

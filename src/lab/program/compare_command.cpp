@@ -34,24 +34,23 @@ struct CompareArguments {
 CompareOptions checked_options(CompareArguments const& a) {
     CompareOptions options = a.options;
     options.composition = composition_of(a.composition, options.forgetting);
-    if (a.json && a.csv) throw InputError("--json: does not go with --csv");
+    if (a.json && a.csv) refuse("--json: does not go with --csv");
     if (a.code) {
         expect_one_of(code_words(), *a.code, "--code", "word");
-        if (a.json || a.csv) throw InputError("--code: does not go with --json or --csv");
+        if (a.json || a.csv) refuse("--code: does not go with --json or --csv");
         Composition const& c = options.composition;
         if (a.code == "board" && (!c.control.empty() || c.window > 0 || c.policy().rebuilds()))
-            throw InputError(
-                "--code board: does not go with --control, --window or --guard rebuild; --guard reset is in it");
+            refuse("--code board: does not go with --control, --window or --guard rebuild; --guard reset is in it");
     }
     if (options.digits && !options.composition.empty())
-        throw InputError("--digits: does not go with --control, --window or --guard");
-    if (options.digits && options.p0) throw InputError("--digits: does not go with --p0: it chooses the prior");
+        refuse("--digits: does not go with --control, --window or --guard");
+    if (options.digits && options.p0) refuse("--digits: does not go with --p0: it chooses the prior");
     if (options.certify && (options.digits || !options.composition.empty()))
-        throw InputError("--certify: does not go with --digits, --control, --window or --guard");
-    if (options.digits && a.csv) throw InputError("--digits: does not go with --csv");
+        refuse("--certify: does not go with --digits, --control, --window or --guard");
+    if (options.digits && a.csv) refuse("--digits: does not go with --csv");
     if (a.all && !options.composition.empty())
-        throw InputError("--all: does not go with --control, --window or --guard, which exist in float and double");
-    if (a.all && !options.arithmetics.empty()) throw InputError("--all: does not go with --arithmetic");
+        refuse("--all: does not go with --control, --window or --guard, which exist in float and double");
+    if (a.all && !options.arithmetics.empty()) refuse("--all: does not go with --arithmetic");
     if (!a.all && options.arithmetics.empty()) options.arithmetics = {"float", "double"};
     return options;
 }
@@ -61,8 +60,8 @@ int run_compare(CompareArguments const& a) {
     CompareOptions const options = checked_options(a);
     Question question = question_of(with_example(a.record));
     if (a.code == "board" && question.records.parameters() > largest_on_a_board)
-        throw InputError(fmt::format("--code board: expected at most {} parameters, found {}", largest_on_a_board,
-                                     question.records.parameters()));
+        refuse("--code board: expected at most {} parameters, found {}", largest_on_a_board,
+               question.records.parameters());
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     for (std::string& doubt : doubts(question.records, options, question.model.regressors, question.in_file))
         question.model.warnings.push_back(std::move(doubt));

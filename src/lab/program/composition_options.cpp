@@ -35,11 +35,10 @@ double number_of(Control const& control, ControlParameter const& p, std::string 
     auto const& [least, most, positive, otherwise, inverted] = p.range;
     bool const fits = least <= x && x <= most && !(positive && x == least) && (!p.whole || x == std::floor(x));
     if (error != std::errc() || end != text.data() + text.size() || !fits)
-        throw InputError(fmt::format("--control {}: {}: expected a {} {} {}{}{}, found \"{}\"", control.name, p.name,
-                                     p.whole ? "whole number" : "number", positive ? "above" : "from", least,
-                                     most < 1e300 ? fmt::format(" to {}", most) : "",
-                                     error == std::errc::result_out_of_range ? " that double can hold" : "",
-                                     printable(text)));
+        refuse("--control {}: {}: expected a {} {} {}{}{}, found \"{}\"", control.name, p.name,
+               p.whole ? "whole number" : "number", positive ? "above" : "from", least,
+               most < 1e300 ? fmt::format(" to {}", most) : "",
+               error == std::errc::result_out_of_range ? " that double can hold" : "", printable(text));
     return x;
 }
 
@@ -88,17 +87,17 @@ Composition composition_of(CompositionArguments const& a, double forgetting) {
             colon = next;
         }
         if (texts.size() > control.parameters.size() || texts.size() < numbers_needed(control))
-            throw InputError(fmt::format("--control: expected {}, found \"{}\"", usage(control), printable(a.control)));
+            refuse("--control: expected {}, found \"{}\"", usage(control), printable(a.control));
         for (size_t i = 0; i < control.parameters.size(); ++i)
             out.parameters.push_back(i < texts.size() ? number_of(control, control.parameters[i], texts[i])
                                                       : control.parameters[i].start);
         if (control.below_one && forgetting == 1)
-            throw InputError(fmt::format(
-                "--control {}: expected --forgetting below 1: without it nothing wears the prior down", control.name));
+            refuse("--control {}: expected --forgetting below 1: without it nothing wears the prior down",
+                   control.name);
     }
     if (std::string const why = contradiction(out); !why.empty())
-        throw InputError(fmt::format("{}{}{}do not go together: {}", a.control.empty() ? "" : "--control ",
-                                     a.window > 0 ? "--window " : "", a.guard.empty() ? "" : "--guard ", why));
+        refuse("{}{}{}do not go together: {}", a.control.empty() ? "" : "--control ", a.window > 0 ? "--window " : "",
+               a.guard.empty() ? "" : "--guard ", why);
     return out;
 }
 

@@ -26,8 +26,7 @@ std::vector<double> numbers_of(std::string const& option, std::string const& tex
         double value = 0;
         auto const [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
         if (error != std::errc() || end != text.data() + to || !std::isfinite(value))
-            throw InputError(
-                fmt::format("{}: expected numbers with commas between, found \"{}\"", option, printable(text)));
+            refuse("{}: expected numbers with commas between, found \"{}\"", option, printable(text));
         out.push_back(value);
         from = to + 1;
     }
@@ -45,8 +44,7 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
     }
     auto const whole_number = [&](size_t i, double least, double most) {
         if (i >= p.size() || p[i] != std::floor(p[i]) || p[i] < least || p[i] > most)
-            throw InputError(
-                fmt::format("--input: {}: expected a whole number from {} to {}", printable(text), least, most));
+            refuse("--input: {}: expected a whole number from {} to {}", printable(text), least, most);
         return Index(p[i]);
     };
     double const longest = double(samples);
@@ -58,10 +56,10 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
         return multisine(samples, int(whole_number(0, 1, std::max(1.0, std::floor((longest - 1) / 2)))));
     if (name == "steps" && p.size() == 2)
         return random_steps(samples, whole_number(0, 1, longest), whole_number(1, p[0], longest), seed);
-    throw InputError(
-        fmt::format("--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
-                    "steps:SHORTEST:LONGEST, found \"{}\"",
-                    printable(text)));
+    refuse(
+        "--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
+        "steps:SHORTEST:LONGEST, found \"{}\"",
+        printable(text));
 }
 
 struct IdentifyArguments {
@@ -108,11 +106,11 @@ struct SimulateArguments {
 
 int run_simulate(SimulateArguments const& s) {
     if (s.delay >= s.samples)
-        throw InputError(
-            fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows "
-                        "nothing, found {}",
-                        s.samples, s.delay));
-    if (!s.noise_colour.empty() && s.noise == 0) throw InputError("--noise-colour: expected --noise, too");
+        refuse(
+            "--delay: expected less than the {} --samples: of an input that comes later the record shows "
+            "nothing, found {}",
+            s.samples, s.delay);
+    if (!s.noise_colour.empty() && s.noise == 0) refuse("--noise-colour: expected --noise, too");
     DifferenceEquation model;
     if (!s.a.empty()) model.a = numbers_of("--a", s.a);
     model.b = {numbers_of("--b", s.b)};
@@ -126,8 +124,7 @@ int run_simulate(SimulateArguments const& s) {
     for (double& x : xi) x *= s.noise;
     auto const check = [](char const* option, Signal const& x, char const* what) {
         if (!std::ranges::all_of(x, [](double v) { return std::abs(v) <= largest_value; }))
-            throw InputError(fmt::format(
-                "{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what));
+            refuse("{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what);
     };
     check("--input", u, "input");
     check(s.noise_colour.empty() ? "--noise" : "--noise-colour, --noise", xi, "noise");
@@ -137,17 +134,17 @@ int run_simulate(SimulateArguments const& s) {
         return x.size() > 1 && std::ranges::all_of(x, [&](double v) { return v == x[0]; });
     };
     if (constant(y) && constant(u))
-        throw InputError(fmt::format(
+        refuse(
             "--samples: the input is {} over all {} of them, and nothing can be learnt from it: expected more samples, "
             "or another --input or --seed",
-            u[0], u.size()));
+            u[0], u.size());
     if (constant(y))
-        throw InputError(
-            fmt::format("--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that "
-                        "pass the input on, or --noise",
-                        y[0]));
+        refuse(
+            "--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that "
+            "pass the input on, or --noise",
+            y[0]);
     if (std::ranges::all_of(y, [](double v) { return std::abs(v) < 1 / largest_value; }))
-        throw InputError("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
+        refuse("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
     std::string text = as_comments(this_run(false)) + "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     print(text);
@@ -166,8 +163,8 @@ Signal const& without_missing(Columns const& columns, std::string const& name) {
     Signal const& values = columns[name];
     auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
     if (missing != values.end())
-        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value",
-                                     columns.file, columns.lines[size_t(missing - values.begin())], printable(name)));
+        refuse("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
+               columns.lines[size_t(missing - values.begin())], printable(name));
     return values;
 }
 

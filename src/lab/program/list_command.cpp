@@ -97,10 +97,10 @@ std::string studies_text(Json& out, std::vector<std::string> const& words) {
             {{"name", study->name}, {"question", study->question}, {"subject", subject_of(*study)}});
     }
     if (out["studies"].empty())
-        throw InputError(
-            fmt::format("list studies: none has \"{}\" in its text; expected a paper (Bierman 1977) or a "
-                        "subject (gain, forgetting)",
-                        printable(fmt::format("{}", fmt::join(words, " ")))));
+        refuse(
+            "list studies: none has \"{}\" in its text; expected a paper (Bierman 1977) or a "
+            "subject (gain, forgetting)",
+            printable(fmt::format("{}", fmt::join(words, " "))));
     return text;
 }
 
@@ -137,8 +137,7 @@ void run_list(std::string const& part, std::vector<std::string> const& words, bo
     for (auto const& [name, text] : parts) names.push_back(name);
     if (!part.empty()) expect_one_of(names, part, "list", "part");
     if (!words.empty() && part != "studies")
-        throw InputError(
-            fmt::format("\"{}\" is one word too many ({} list --help)", printable(words.front()), program_name()));
+        refuse("\"{}\" is one word too many ({} list --help)", printable(words.front()), program_name());
     Json out;
     std::string text;
     for (auto const& [name, text_of] : parts)

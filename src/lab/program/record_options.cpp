@@ -101,7 +101,7 @@ struct Model {
 
 Model regression_of(RecordArguments const& a) {
     if (!a.inputs.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
-        throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
+        refuse("--regressors: does not go with --input, --order, --na, --nb or --delay");
     Model out{.columns = {}, .lagged = lagged_of("--regressors", a.regressors, a.output), .arx = {}};
     for (Lagged const& r : out.lagged) out.read(r.column);
     return out;
@@ -111,28 +111,26 @@ Model arx_of(RecordArguments const& a) {
     if (a.inputs.empty()) {
         int const na = std::max(a.order, a.na);
         std::string const to = na > 1 ? fmt::format("..k-{}", na) : "";
-        throw InputError(fmt::format("--input: expected the name of the input column, or several (or --regressors {})",
-                                     na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c"));
+        refuse("--input: expected the name of the input column, or several (or --regressors {})",
+               na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c");
     }
-    if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
-    if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
+    if (a.order && (a.na >= 0 || a.nb >= 0)) refuse("--order: does not go with --na and --nb");
+    if (!a.order && (a.na < 0 || a.nb < 0)) refuse("--order: expected an order (or --na and --nb)");
     Model out{.columns = {}, .lagged = {}, .arx = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb}};
     out.arx.delay = a.delay;
     out.arx.intercept = a.intercept;
     out.arx.inputs = int(a.inputs.size());
     for (std::string const& input : a.inputs) {
-        if (std::ranges::count(a.inputs, input) > 1)
-            throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
-        if (input == a.output)
-            throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
+        if (std::ranges::count(a.inputs, input) > 1) refuse("--input: column \"{}\" is named twice", printable(input));
+        if (input == a.output) refuse("--input: column \"{}\" is both input and output", printable(input));
         out.read(input);
     }
     return out;
 }
 
 Model model_of(RecordArguments const& a) {
-    if (a.file.empty() && a.example.empty()) throw InputError("FILE: expected the name of a file");
-    if (a.output.empty()) throw InputError("--output: expected the name of the output column");
+    if (a.file.empty() && a.example.empty()) refuse("FILE: expected the name of a file");
+    if (a.output.empty()) refuse("--output: expected the name of the output column");
     Model out = a.regressors.empty() ? arx_of(a) : regression_of(a);
     out.read(a.output);
     return out;
@@ -291,7 +289,7 @@ Example const& example_named(std::string const& name, std::string const& where) 
 RecordArguments with_example(RecordArguments a) {
     if (a.example.empty()) return a;
     RecordArguments const& model = example_named(a.example, "--example").model;
-    if (!a.file.empty()) throw InputError("--example: does not go with FILE");
+    if (!a.file.empty()) refuse("--example: does not go with FILE");
     if (a.output.empty()) a.output = model.output;
     if (!a.inputs.empty() || !a.regressors.empty()) return a;
     bool const ordered = a.order > 0 || a.na >= 0 || a.nb >= 0;

@@ -5,7 +5,6 @@
 #include "src/lab/program/study_options.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 #include <rlslab/model/default_prior.hpp>
@@ -38,7 +37,7 @@ double number_in(std::string const& factor, std::string const& text, char const*
     double value = 0;
     auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value)) return value;
-    throw InputError(fmt::format("--vary {}: expected {}, found \"{}\"", factor, expected, printable(text)));
+    refuse("--vary {}: expected {}, found \"{}\"", factor, expected, printable(text));
 }
 
 Cell value_of(std::string const& factor, std::string const& text) {
@@ -74,7 +73,7 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
         for (std::string const& text : values) {
             Cell const value = value_of(name, text);
             if (std::ranges::find(factor.values, value) != factor.values.end())
-                throw InputError(fmt::format("--vary {}: {} is there twice", name, as_text(value)));
+                refuse("--vary {}: {} is there twice", name, as_text(value));
             factor.values.push_back(value);
         }
     }
@@ -83,7 +82,7 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
     for (Cell const& name : out[3].values)
         for (CatalogueEntry const* const entry : entries_in(arithmetic_named(std::get<std::string>(name), "")))
             any = any || std::ranges::find(variants, entry->variant) != variants.end();
-    if (!any) throw InputError("--vary: expected a variant that exists in one of the arithmetics");
+    if (!any) refuse("--vary: expected a variant that exists in one of the arithmetics");
     out.back() = {"row_order", {}};
     for (int i = 1; i <= sweep.row_orders; ++i) out.back().values.emplace_back(double(i));
     return out;
@@ -210,12 +209,12 @@ Sweep sweep_of(SweepArguments const& a, Provenance& run) {
     for (std::string const& text : a.vary) {
         FactorValues const values = factor_values_from(text, "--vary");
         if (std::ranges::find(out.vary, values.name, &FactorValues::name) != out.vary.end())
-            throw InputError(fmt::format("--vary: factor \"{}\" is there twice", printable(values.name)));
+            refuse("--vary: factor \"{}\" is there twice", printable(values.name));
         orders = orders || values.name == "order";
         out.vary.push_back(values);
     }
     if (orders && (a.record.order || a.record.na >= 0 || a.record.nb >= 0 || !given.regressors.empty()))
-        throw InputError("--vary order: does not go with --order, --na, --nb or --regressors");
+        refuse("--vary order: does not go with --order, --na, --nb or --regressors");
     out.records = [given, &run, columns = std::make_shared<std::optional<Columns>>()](int order) {
         RecordArguments record = given;
         if (order > 0) record.order = order;
@@ -240,7 +239,7 @@ int run_sweep(SweepArguments& a) {
     a.options.out = a.out;
     a.options.budget = Budget::full;
     if (!a.part.whole()) check_part(a);
-    if (!a.part.whole() && !a.from.empty()) throw InputError("--from: does not go with --part");
+    if (!a.part.whole() && !a.from.empty()) refuse("--from: does not go with --part");
     expect_no_other_run(a.out, "verdicts.json", "study");
     Provenance run{.command = this_run(false).command};
     Study study = study_of(sweep_of(a, run), a.options.seed);
@@ -249,8 +248,7 @@ int run_sweep(SweepArguments& a) {
     std::string const text = run_json(run);
     for (std::string const& folder : a.from)
         if (noted_run(folder) != text)
-            throw InputError(
-                fmt::format("--from {}: expected a folder with parts of this sweep", printable(folder, 200)));
+            refuse("--from {}: expected a folder with parts of this sweep", printable(folder, 200));
     if (!a.from.empty()) merge_parts({&study}, a.options, {a.from.begin(), a.from.end()});
     create_folder(a.options.out / ".trials");
     if (!a.part.whole()) {

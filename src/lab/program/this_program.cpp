@@ -118,13 +118,12 @@ int run_export(ExportOptions const& o) {
     expect_one_of(exporting::exported_variants(), o.variant, "--variant", "variant that is exported");
     expect_one_of({"float", "double"}, o.arithmetic, "--arithmetic", "arithmetic");
     if (!exporting::is_exported(o.variant, o.arithmetic == "double"))
-        throw InputError(fmt::format("{} in {}: expected double, it sums in double there", o.variant, o.arithmetic));
+        refuse("{} in {}: expected double, it sums in double there", o.variant, o.arithmetic);
     std::string const own = fmt::format("{}_{}_{}", o.variant, o.size, o.arithmetic),
                       name = o.name.empty() ? own : o.name;
     if (!is_name_of_c(name))
-        throw InputError(
-            fmt::format("--name: expected a letter, then letters, digits and _, 31 at most, no keyword, found \"{}\"",
-                        printable(name)));
+        refuse("--name: expected a letter, then letters, digits and _, 31 at most, no keyword, found \"{}\"",
+               printable(name));
     std::string made_by =
         fmt::format("rlslab export c --variant {} --size {} --arithmetic {}", o.variant, o.size, o.arithmetic);
     if (name != own) made_by += " --name " + name;
