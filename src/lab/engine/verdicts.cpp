@@ -1,13 +1,13 @@
 // Verdicts: said, counted, recorded.
 #include <rlslab/studies/verdicts.hpp>
 
+#include "src/lab/report/json.hpp"
 #include "src/lab/report/refuse.hpp"
 #include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 namespace rlslab::studies {
@@ -36,8 +36,7 @@ void for_each_claim(std::span<Outcome const> outcomes, F f) {
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
             f(*outcome.study, outcome.study->claims[i], outcome.judgements[i]);
 }
-using Json = nlohmann::ordered_json;
-Json json_of(Count const& c) { return {{"hold", c.holds}, {"fail", c.fails}, {"undecided", c.undecided}}; }
+Json json_of(Count const& c) { return object("hold fail undecided", {c.holds, c.fails, c.undecided}); }
 
 }  // namespace
 
@@ -113,24 +112,18 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
         Json claims = Json::array();
         for (size_t i = 0; i < outcome.judgements.size(); ++i) {
             Claim const& claim = outcome.study->claims[i];
-            claims.push_back({{"claim", claim.text},
-                              {"kind", name_of(claim.basis.kind)},
-                              {"band", claim.basis.band},
-                              {"data", data_of(*outcome.study, claim)},
-                              {"proof", claim.basis.proof},
-                              {"verdict", name_of(outcome.judgements[i].verdict)},
-                              {"measured", outcome.judgements[i].measured}});
+            claims.push_back(
+                object("claim kind band data proof verdict measured",
+                       {claim.text, name_of(claim.basis.kind), claim.basis.band, data_of(*outcome.study, claim),
+                        claim.basis.proof, name_of(outcome.judgements[i].verdict), outcome.judgements[i].measured}));
         }
         for (size_t i = 0; i < outcome.numbers.size(); ++i)
-            claims.push_back({{"claim", outcome.study->claims[i].text},
-                              {"kind", name_of(outcome.study->claims[i].basis.kind)},
-                              {"verdict", "not judged: factors changed"},
-                              {"measured", outcome.numbers[i]}});
-        out["studies"].push_back({{"name", outcome.study->name},
-                                  {"question", outcome.study->question},
-                                  {"source", outcome.study->source},
-                                  {"holds", outcome.changed.empty() ? Json(outcome.holds()) : Json(nullptr)},
-                                  {"claims", claims}});
+            claims.push_back(object("claim kind verdict measured",
+                                    {outcome.study->claims[i].text, name_of(outcome.study->claims[i].basis.kind),
+                                     "not judged: factors changed", outcome.numbers[i]}));
+        out["studies"].push_back(object("name question source holds claims",
+                                        {outcome.study->name, outcome.study->question, outcome.study->source,
+                                         outcome.changed.empty() ? Json(outcome.holds()) : Json(), claims}));
         if (!outcome.changed.empty()) out["studies"].back()["changed"] = outcome.changed;
     }
     out["run"] = Json::parse(as_json(run_of(outcomes, options)));

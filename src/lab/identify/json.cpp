@@ -1,31 +1,12 @@
 // An identified model as JSON. A number that is not finite is written as null.
 #include "src/lab/identify/structure.hpp"
 #include "src/lab/identify/text.hpp"
-
-#include <nlohmann/json.hpp>
+#include "src/lab/report/json.hpp"
 
 namespace rlslab::identify {
 using namespace report;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// {"name": value, ...}, blanks between the names; null without a value.
-Json object(std::string_view names, std::vector<Json> const& values) {
-    Json out = Json::object();
-    for (size_t at = 0, i = 0; at < names.size(); ++i) {
-        size_t const end = std::min(names.find(' ', at), names.size());
-        out[std::string(names.substr(at, end - at))] = i < values.size() ? values[i] : Json();
-        at = end + 1;
-    }
-    return out;
-}
-/// The list of what `of` makes of each.
-Json each(auto const& all, auto const& of) {
-    Json out = Json::array();
-    for (auto const& x : all) out.push_back(of(x));
-    return out;
-}
 Json numbers(auto const& x) { return std::vector<double>(x.begin(), x.end()); }
 Json parts(std::complex<double> z) { return std::vector{z.real(), z.imag()}; }
 

@@ -4,6 +4,7 @@
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/record_options.hpp"
+#include "src/lab/report/json.hpp"
 
 #include <rlslab/core/files.hpp>
 
@@ -11,7 +12,6 @@
 #include <charconv>
 #include <filesystem>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace rlslab::program {
 using namespace identify;
@@ -175,17 +175,13 @@ int run_excitation(ExcitationArguments const& a) {
     std::string text = fmt::format("{}: input {}, {} samples, resolution {:.3g}\n\n", printable(a.file, 200),
                                    printable(a.input), u.size(), e.resolution) +
                        "  order  least eigenvalue   kappa(U)  definite  above rounding  carried by rows\n";
-    nlohmann::ordered_json orders = nlohmann::ordered_json::array();
+    Json orders = Json::array();
     for (ExcitationOrder const& n : e.orders) {
         text += fmt::format("  {:>5}  {:>16.4g}  {:>9}  {:<8}  {:<14}  {:.0f}\n", n.order, n.least,
                             std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-",
                             n.definite ? "yes" : "no", n.resolved ? "yes" : "no", n.carried);
-        orders.push_back({{"order", n.order},
-                          {"least_eigenvalue", n.least},
-                          {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
-                          {"definite", n.definite},
-                          {"resolved", n.resolved},
-                          {"rows_that_carry", n.carried}});
+        orders.push_back(object("order least_eigenvalue condition definite resolved rows_that_carry",
+                                {n.order, n.least, n.condition, n.definite, n.resolved, n.carried}));
     }
     if (e.constant_at_start > 0)
         text += fmt::format("\nthe input does not change over its first {} samples\n", e.constant_at_start);
@@ -204,19 +200,11 @@ int run_excitation(ExcitationArguments const& a) {
     if (e.exact_order > e.order)
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n",
                             e.exact_order, e.order);
-    nlohmann::ordered_json out = {{"file", a.file},
-                                  {"input", a.input},
-                                  {"samples", u.size()},
-                                  {"exciting_of_order", e.order},
-                                  {"exact_order", e.exact_order},
-                                  {"persistent_order", e.persistent},
-                                  {"changes", e.changes},
-                                  {"resolution", e.resolution},
-                                  {"constant_at_start", e.constant_at_start},
-                                  {"orders", orders}};
-    out["run"] = nlohmann::ordered_json::parse(
-        as_json(this_run(a.dated, printable(a.file, 200), columns.sha256, columns.rows())));
-    print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
+    Json out = object("file input samples exciting_of_order exact_order persistent_order changes resolution",
+                      {a.file, a.input, u.size(), e.order, e.exact_order, e.persistent, e.changes, e.resolution});
+    out.update(object("constant_at_start orders", {e.constant_at_start, orders}));
+    out["run"] = Json::parse(as_json(this_run(a.dated, printable(a.file, 200), columns.sha256, columns.rows())));
+    print(a.json ? out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n' : text);
     return e.order >= 2 ? 0 : 1;
 }
 
