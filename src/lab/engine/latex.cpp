@@ -4,55 +4,28 @@
 #include "src/lab/report/revision.hpp"
 #include <rlslab/studies/verdicts.hpp>
 
-#include <array>
 #include <fmt/format.h>
+#include <sstream>
 
 namespace rlslab::studies {
 using namespace report;
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 40> signs{{
-    {"&", "\\&"},
-    {"%", "\\%"},
-    {"$", "\\$"},
-    {"#", "\\#"},
-    {"_", "\\_\\allowbreak{}"},
-    {"{", "\\{"},
-    {"}", "\\}"},
-    {"~", "\\textasciitilde{}"},
-    {"^", "\\textasciicircum{}"},
-    {"\\", "\\textbackslash{}"},
-    {"<", "$<$"},
-    {">", "$>$"},
-    {"|", "$|$"},
-    {"\"", "''"},
-    {"±", "$\\pm$"},
-    {"×", "$\\times$"},
-    {"·", "$\\cdot$"},
-    {"√", "$\\surd$"},
-    {"²", "$^2$"},
-    {"³", "$^3$"},
-    {"≤", "$\\le$"},
-    {"≥", "$\\ge$"},
-    {"≈", "$\\approx$"},
-    {"−", "$-$"},
-    {"–", "--"},
-    {"…", "\\ldots{}"},
-    {"∞", "$\\infty$"},
-    {"Δ", "$\\Delta$"},
-    {"α", "$\\alpha$"},
-    {"β", "$\\beta$"},
-    {"γ", "$\\gamma$"},
-    {"δ", "$\\delta$"},
-    {"ε", "$\\varepsilon$"},
-    {"η", "$\\eta$"},
-    {"θ", "$\\theta$"},
-    {"κ", "$\\kappa$"},
-    {"λ", "$\\lambda$"},
-    {"σ", "$\\sigma$"},
-    {"φ", "$\\varphi$"},
-    {"ψ", "$\\psi$"},
-}};
+/// Signs, each with its LaTeX behind it.
+std::vector<std::pair<std::string, std::string>> const& signs() {
+    static auto const list = [] {
+        std::vector<std::pair<std::string, std::string>> out;
+        std::istringstream left(R"(
+        & \&  % \%  $ \$  # \#  _ \_\allowbreak{}  { \{  } \}  ~ \textasciitilde{}  ^ \textasciicircum{}
+        \ \textbackslash{}  < $<$  > $>$  | $|$  " ''  ± $\pm$  × $\times$  · $\cdot$  √ $\surd$  ² $^2$  ³ $^3$
+        ≤ $\le$  ≥ $\ge$  ≈ $\approx$  − $-$  – --  … \ldots{}  ∞ $\infty$  Δ $\Delta$  α $\alpha$  β $\beta$
+        γ $\gamma$  δ $\delta$  ε $\varepsilon$  η $\eta$  θ $\theta$  κ $\kappa$  λ $\lambda$  σ $\sigma$
+        φ $\varphi$  ψ $\psi$)");
+        for (std::string sign, set; left >> sign >> set;) out.emplace_back(sign, set);
+        return out;
+    }();
+    return list;
+}
 
 std::string head(RunOptions const& options) {
     return fmt::format("% rlslab {}, {} budget, seed {}\n", revision, name_of(options.budget), options.seed);
@@ -64,7 +37,7 @@ std::string latex(std::string_view text) {
     std::string out;
     while (!text.empty()) {
         bool found = false;
-        for (auto const& [sign, set] : signs)
+        for (auto const& [sign, set] : signs())
             if (text.starts_with(sign)) {
                 out += set;
                 text.remove_prefix(sign.size());
