@@ -174,15 +174,11 @@ public:
     }
 };
 
-}  // namespace
-
-void set_output_options(OutputOptions const& options) { output_options = options; }
-
-namespace {
-
 std::vector<std::string> command_words{"rlslab"};
 
 }  // namespace
+
+void set_output_options(OutputOptions const& options) { output_options = options; }
 
 std::string const& program_name() { return command_words.front(); }
 

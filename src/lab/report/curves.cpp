@@ -218,6 +218,22 @@ std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, 
     return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look, curve.strong ? 1.8 : 1.3), out);
 }
 
+/// Whether a line or a mark of a curve is in this box.
+bool covered(Panel const& panel, Axes const& axes, Box const& box) {
+    for (Curve const& curve : panel.curves) {
+        std::optional<Point> before;
+        for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
+            auto const at = mark_place(panel, curve, i, axes);
+            if (at && box.holds(at->x, at->y)) return true;
+            if (Point a = before.value_or(Point{}), b = at.value_or(Point{});
+                at && before && curve.line && clip(a, b, box))
+                return true;
+            before = at;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
 std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i, Axes const& axes) {
@@ -283,24 +299,6 @@ std::string curve_group(Figure const& figure, Panel const& panel, Curve const& c
                                     : " opacity=\".75\"",
                        out);
 }
-
-namespace {
-/// Whether a line or a mark of a curve is in this box.
-bool covered(Panel const& panel, Axes const& axes, Box const& box) {
-    for (Curve const& curve : panel.curves) {
-        std::optional<Point> before;
-        for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
-            auto const at = mark_place(panel, curve, i, axes);
-            if (at && box.holds(at->x, at->y)) return true;
-            if (Point a = before.value_or(Point{}), b = at.value_or(Point{});
-                at && before && curve.line && clip(a, b, box))
-                return true;
-            before = at;
-        }
-    }
-    return false;
-}
-}  // namespace
 
 std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes) {
     if (!axes.x.shows(event.x)) return "";

@@ -60,6 +60,21 @@ bool strong(Figure const& figure, std::string const& name) {
                                    [&](Curve const& curve) { return curve.strong && curve.name == name; });
     });
 }
+
+/// White space in LaTeX is one space, however long.
+bool same_formula(std::string_view a, std::string_view b) {
+    auto const white = [](char c) { return c == ' ' || c == '\n' || c == '\t'; };
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (white(a[i]) != white(b[j]) || (!white(a[i]) && a[i] != b[j])) return false;
+        if (!white(a[i])) ++i, ++j;
+        else {
+            while (i < a.size() && white(a[i])) ++i;
+            while (j < b.size() && white(b[j])) ++j;
+        }
+    }
+    return i == a.size() && j == b.size();
+}
 }  // namespace
 
 std::string figure_html(Figure const& figure) {
@@ -105,23 +120,6 @@ std::string figure_html(Figure const& figure) {
     }
     return out + "</div></figure>\n";
 }
-
-namespace {
-/// White space in LaTeX is one space, however long.
-bool same_formula(std::string_view a, std::string_view b) {
-    auto const white = [](char c) { return c == ' ' || c == '\n' || c == '\t'; };
-    size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (white(a[i]) != white(b[j]) || (!white(a[i]) && a[i] != b[j])) return false;
-        if (!white(a[i])) ++i, ++j;
-        else {
-            while (i < a.size() && white(a[i])) ++i;
-            while (j < b.size() && white(b[j])) ++j;
-        }
-    }
-    return i == a.size() && j == b.size();
-}
-}  // namespace
 
 /// LaTeX and MathML of each formula that the program's sources mark as R"tex(...)tex"; the last row is null. Written by
 /// src/lab/report/formulas.lua, or src/lab/report/no_formulas.cpp.

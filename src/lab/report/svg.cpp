@@ -72,10 +72,6 @@ std::string description(Figure const& figure, Panel const& panel) {
     return out;
 }
 
-}  // namespace
-
-namespace {
-
 // One colour a family of variants; mark and dash by the place in it.
 constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
 
