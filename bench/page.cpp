@@ -76,7 +76,7 @@ std::string drawn(Rows const& rows, std::string const& name) {
                   .log_y = true,
                   .panels = {{"", {}, {}}}};
     for (std::string const& one : distinct(rows, &BenchRow::name)) {
-        Curve curve{.name = one, .look = {}, .x = {}, .y = {}};
+        Curve curve{.name = one};
         BenchRow const* last = nullptr;
         for (BenchRow const& row : rows)
             if (row.name == one) {

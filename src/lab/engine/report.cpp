@@ -1,11 +1,9 @@
-// The text of the report, and curves from rows (figure.hpp). src/lab/report/ makes pages, drawings and formulas.
+// The text of the report, and curves from rows. src/lab/report/ makes pages, drawings and formulas.
 #include <rlslab/studies/report.hpp>
 #include "src/lab/report/page.hpp"
-#include "src/lab/report/revision.hpp"
 
 #include <rlslab/studies/interval.hpp>
 #include <rlslab/studies/verdicts.hpp>
-#include <rlslab/studies/figure.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/catalogue.hpp>
@@ -194,7 +192,7 @@ namespace {
 bool shown(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
 
 Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bool log_x, bool log_y) {
-    Curve out{.name = std::move(name), .look = std::move(look), .x = {}, .y = {}, .lower = {}, .upper = {}};
+    Curve out{.name = std::move(name), .look = std::move(look)};
     std::map<double, std::vector<double>> at;
     std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
     for (size_t i = 0; i < x.size(); ++i)
@@ -222,7 +220,7 @@ std::pair<std::string, size_t> most_frequent(std::vector<std::vector<Cell>> cons
 
 /// A cell for each (x, series): the median of its numbers, or its most frequent word with the word's share.
 Curve cells(Table const& rows, Plot const& plot, std::string const& column) {
-    Curve out{.name = column, .look = {}, .x = {}, .y = {}, .lower = {}, .upper = {}};
+    Curve out{.name = column};
     for (Cell const& line : rows.distinct(plot.series)) {
         Table const along = rows.where(plot.series, line);
         for (Cell const& place : along.distinct(plot.x)) {
@@ -247,12 +245,7 @@ Curve cells(Table const& rows, Plot const& plot, std::string const& column) {
 /// Over the panel's x, which is where the curves are.
 Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y, double floor) {
     constexpr std::array dashes{"#555555", "#999999", "#bbbbbb"};
-    Curve out{.name = of.label,
-              .look = {dashes[place % dashes.size()], true, ""},
-              .x = {},
-              .y = {},
-              .lower = {},
-              .upper = {}};
+    Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}};
     double from = INFINITY, to = -INFINITY;
     for (Curve const& c : curves)
         for (double const x : c.x) from = std::min(from, x), to = std::max(to, x);
@@ -288,7 +281,7 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
         std::vector<Cell> const all_series = rows.distinct(plot.series);
         std::vector<std::string> const by = plot.panel.empty() ? std::vector<std::string>{} : std::vector{plot.panel};
         for (auto const& [name, here] : rows.groups(by)) {
-            Panel panel{name, {}, {}};
+            Panel panel{name};
             if (plot.cells) {
                 panel.curves.push_back(cells(here, plot, plot.y));
                 for (Guide const& border : plot.guides) panel.guides.push_back(cells(here, plot, border.label));

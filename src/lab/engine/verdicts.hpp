@@ -1,4 +1,4 @@
-// The verdicts on claims: as lines, as JSON, counted, and compared with the record in the tree.
+// The verdicts on claims: as lines, as JSON, as LaTeX, counted, and compared with the record in the tree.
 #pragma once
 
 #include <rlslab/studies/run.hpp>
@@ -48,5 +48,20 @@ std::vector<std::string> changes(std::vector<Outcome> const& outcomes, Record co
 std::vector<std::string> unrecorded(std::vector<Outcome> const& outcomes, Record const& record);
 /// Verifications that fail, as "STUDY: claim".
 std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcomes);
+
+// --- LaTeX for papers: a table of claims for each study, and a macro for each measurement ----------------------------
+
+/// Text as LaTeX shows it: its special characters escaped, Greek letters and signs as mathematics. Other characters
+/// stay as they are.
+std::string latex(std::string_view text);
+
+/// A longtable (booktabs) of the study's claims: kind, claim, measurement, verdict.
+std::string table_tex(Outcome const& outcome, RunOptions const& options);
+
+/// \input{numbers}: \measured{STUDY}{N}{WORDS} is the measurement for the study's claim N (from 1),
+/// \claimed{STUDY}{N}{WORDS} its text, \verdict{STUDY}{N}{WORDS} its verdict. WORDS are the first words of the claim,
+/// for people and for a test; they are not typeset. \runcount{KIND}{hold|fail|undecided}, \runbudget, \runseed,
+/// \runrevision and \runstudies describe the run.
+std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& options);
 
 }  // namespace rlslab::studies

@@ -1,7 +1,6 @@
 // The program's command line: its commands, and the messages for lines that are no valid command.
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
-#include "src/lab/report/revision.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 

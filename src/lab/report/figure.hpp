@@ -15,7 +15,7 @@ namespace rlslab::report {
 /// How a series looks, in every figure: colours of Okabe and Ito, told apart with any kind of colour vision, and for
 /// those who see none, or print, a mark and a dash.
 struct Look {
-    std::string colour;  ///< #rrggbb
+    std::string colour = {};  ///< #rrggbb
     bool dashed = false;
     std::string mark =
         {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
@@ -27,8 +27,8 @@ Look look_of(std::optional<Family> const& family, size_t place);
 /// axis, the point is left out and the line is broken.
 struct Curve {
     std::string name;
-    Look look;
-    std::vector<double> x, y;
+    Look look = {};
+    std::vector<double> x = {}, y = {};
     std::vector<double> lower = {}, upper = {};  ///< an interval about each y, drawn where it is not y itself; or empty
     std::vector<std::string> row = {};           ///< cells: what each stands at along the other axis
     bool marks = true, line = true;
@@ -48,7 +48,8 @@ struct Event {
 
 struct Panel {
     std::string name;
-    std::vector<Curve> curves, guides;  ///< guides: to compare with; cut off where they leave the curves' range
+    std::vector<Curve> curves = {},
+                       guides = {};  ///< guides: to compare with; cut off where they leave the curves' range
     std::vector<Event> events = {};
     bool log_y = false;  ///< besides the figure's; for a figure with own_y
     double y_least =
@@ -61,7 +62,7 @@ struct Figure {
     std::string title, x, y;
     bool log_x = false, log_y = false;
     bool cells = false;  ///< y is the shade in [0, 1], `series` what stands along y; the panel's first curve
-    std::vector<Panel> panels;
+    std::vector<Panel> panels = {};
     std::string series = {};
     bool square = false;                    ///< a unit is as long along x as along y
     bool own_y = false;                     ///< each panel has its own range of y

@@ -5,7 +5,6 @@
 #include "src/lab/report/provenance.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fmt/chrono.h>
 #include <fmt/format.h>

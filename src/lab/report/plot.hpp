@@ -58,7 +58,6 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
 struct Cells {
     std::vector<std::string> rows;  ///< from the bottom
     std::vector<double> places;     ///< along x, ascending
-    Range x;                        ///< with the outer edges
 };
 
 /// A panel's axes with their labels.

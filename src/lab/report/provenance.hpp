@@ -1,12 +1,20 @@
 // The run that a result is from, as each JSON file, each CSV file and each page says it.
 #pragma once
 
-#include "src/lab/report/revision.hpp"
-
 #include <string>
 #include <vector>
 
 namespace rlslab::report {
+
+// The revision of the tree and the compiler that built the program; every result is stored with them.
+
+/// Of the project: "0.2.0".
+extern char const* const version;
+/// `git describe` of the tree when it was built, or what -DRLSLAB_REVISION= said, or an archive of git's; "of no
+/// repository" where none is known. src/cmake/revision.cmake writes the file that defines all three.
+extern char const* const revision;
+/// Name, version, kind of build, and the option that keeps rounding as written.
+extern char const* const compiler;
 
 /// What is empty is left out.
 struct Provenance {
