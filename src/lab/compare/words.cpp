@@ -1,16 +1,14 @@
-// Sentences, those of a composition and its C++, and lines of a certain width.
+// Sentences, and those of a composition.
 #include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/composed_score.hpp"
-#include "src/lab/compare/score.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 bool is_another_in_other_orders(Result const& r) {
@@ -22,34 +20,7 @@ bool is_another_in_other_orders(Result const& r) {
     });
 }
 
-/// ".noise_variance = 0.25, .memory = 100.0": the names of the rule's members, in the order of the control's numbers.
-std::string members(Composition const& c) {
-    std::vector<ControlParameter> const& parameters = control_named(c.control).parameters;
-    std::vector<std::string> out;
-    for (size_t i = 0; i < parameters.size(); ++i)
-        out.push_back(parameters[i].whole ? fmt::format(".{} = {}", parameters[i].member, Index(c.parameters[i]))
-                                          : fmt::format(".{} = {:#}", parameters[i].member, c.parameters[i]));
-    return fmt::format("{{{}}}", fmt::join(out, ", "));
-}
-
 }  // namespace
-
-std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at) {
-    std::string out;
-    for (size_t i = 0; i < items.size(); ++i) {
-        std::string const item = items[i] + (i + 1 < items.size() ? "," : "");
-        if (i > 0 && at + 1 + item.size() > text_width) {
-            out += '\n' + indent;
-            at = indent.size();
-        } else if (i > 0) {
-            out += ' ';
-            ++at;
-        }
-        out += item;
-        at += item.size();
-    }
-    return out;
-}
 
 std::string tenths(double digits) {
     if (!std::isfinite(digits)) return "-";
@@ -205,35 +176,6 @@ std::string counts_text(Comparison const& comparison, Result const& r) {
     if (comparison.options.composition.keeps_the_problem() && r.certified_to < comparison.rows)
         out.push_back(r.certified_to == 0 ? "recursion" : fmt::format("recursion from row {}", r.certified_to + 1));
     return fmt::format("{}", fmt::join(out, ", "));
-}
-
-std::string composition_includes(Composition const& c) {
-    std::vector<std::string_view> headers;
-    if (!c.keeps_the_problem()) headers.push_back(control_named(c.control).header);
-    if (!c.guard.empty()) headers.emplace_back("adapt/guard");
-    if (c.window > 0) headers.emplace_back("adapt/window");
-    std::string out;
-    for (std::string_view const header : headers) out += fmt::format("#include <rlslab/{}.hpp>\n", header);
-    return out;
-}
-
-std::string composition_code(Composition const& c, std::string const& type, std::string const& variant,
-                             std::string const& scalar, Index size) {
-    if (is_its_own_rule(c, variant))
-        return fmt::format("{} filter(problem, rlslab::Matrix<{}>::Identity({}, {}) * {}({:#}));\n", type, scalar, size,
-                           size, scalar, c.parameters[0]);
-    std::string inner = type, arguments = "problem";
-    if (c.window > 0) {
-        inner = fmt::format("rlslab::Windowed<{}>", type);
-        arguments += fmt::format(", {{.rows = {}}}", c.window);
-    }
-    if (!c.keeps_the_problem()) {
-        inner = fmt::format("rlslab::Forgetting<{}, rlslab::{}<{}>>", type, control_named(c.control).type, scalar);
-        arguments += ", " + members(c);
-    }
-    if (c.guard.empty()) return fmt::format("{} filter({});\n", inner, arguments);
-    return fmt::format("{} const unguarded({});\nrlslab::Guarded<{}, rlslab::{}> filter(unguarded, problem);\n", inner,
-                       arguments, inner, find_policy(c.guard)->constant);
 }
 
 }  // namespace rlslab::compare
