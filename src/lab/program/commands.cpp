@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
@@ -101,9 +100,10 @@ void define_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
     auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help,
                           char const* expected) {
-        auto const meant = [known](std::string const& text) {
-            auto const found = std::ranges::find(known, text, &Words::value_type::first);
-            return found == known.end() ? '\0' : found->second;
+        auto const meant = [known](std::string const& text) {  // a word, or the character itself
+            for (auto const& [word, character] : known)
+                if (text == word || text == std::string(1, character)) return character;
+            return '\0';
         };
         command
             .add_option_function<std::string>(
@@ -114,19 +114,10 @@ void define_format(CLI::App& command, CsvFormat& format) {
             ->type_name(choices);
     };
     take("--separator", format.separator,
-         {{",", ','},
-          {"comma", ','},
-          {";", ';'},
-          {"semicolon", ';'},
-          {"tab", '\t'},
-          {"\t", '\t'},
-          {"|", '|'},
-          {"bar", '|'},
-          {" ", ' '},
-          {"blank", ' '}},
+         {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"bar", '|'}, {"blank", ' '}},
          "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: detected",
          "comma, semicolon, tab, bar or blank");
-    take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
+    take("--decimal", format.decimal, {{"point", '.'}, {"comma", ','}}, "point|comma",
          "decimal mark of the file's numbers; default: detected", "point or comma");
     define(command, {{"--missing", format.missing, "WORD[,WORD]",
                       "further words or numbers that stand for a missing value: \"No Data\",-999"}});

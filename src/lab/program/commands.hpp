@@ -129,6 +129,8 @@ struct Command {
 };
 Command compare_command(CLI::App& app);
 Command sweep_command(CLI::App& app);
+/// What --vary names, in the order of the table.
+inline constexpr std::string_view sweep_factors[] = {"order", "forgetting", "prior", "arithmetic", "variant"};
 Command study_command(CLI::App& app);
 Command merge_command(CLI::App& app);
 Command identify_command(CLI::App& app);

@@ -1,10 +1,8 @@
 // rlslab compare: every variant in every arithmetic on a record.
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/words.hpp"
-#include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/program/run.hpp"
 

@@ -1,10 +1,8 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "src/lab/export/export.hpp"
-#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/record_options.hpp"
-#include "src/lab/program/sweep.hpp"
 
 #include <rlslab/studies/study.hpp>
 

@@ -4,7 +4,12 @@
 
 #include "src/lab/program/commands.hpp"
 
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/input/text.hpp>
+
+#include <algorithm>
 #include <fmt/format.h>
+#include <sstream>
 
 namespace rlslab::program {
 
@@ -70,6 +75,82 @@ std::vector<Meaning> const& environment() {
         {"TERM", "A terminal called dumb gets no colours."},
     };
     return list;
+}
+
+// --- rlslab help: the definitions in lines of at most 79 letters -----------------------------------------------------
+
+namespace {
+
+constexpr size_t column = 24;  // where the text beside an option begins
+
+/// "  --order N           ARX order", or the text a line below where the name is too long.
+std::string entry(std::string const& name, std::string const& text, size_t beside = column) {
+    std::string out = "  " + name;
+    if (out.size() + 2 > beside) out += '\n' + std::string(beside, ' ');
+    else out.resize(beside, ' ');
+    return out + wrapped(text, beside, beside, help_width) + '\n';
+}
+
+}  // namespace
+
+std::string notes(std::string const& text, size_t width) {
+    std::istringstream in(text);
+    std::string out;
+    for (std::string line; std::getline(in, line);) {
+        size_t const start = std::min(line.size(), line.find_first_not_of(' ')),
+                     gap = std::min(line.size(), line.find("  ", start));
+        size_t const rest = std::min(line.size(), line.find_first_not_of(' ', gap));
+        if (line.size() <= width || rest == line.size()) out += wrapped(line, 0, start, width) + '\n';
+        else
+            out += wrapped(line.substr(0, gap), 0, start, width) + "\n    " + wrapped(line.substr(rest), 4, 8, width) +
+                   '\n';
+    }
+    return out;
+}
+
+std::string help_text(CLI::App const& command) {
+    bool const whole = command.get_parent() == nullptr;
+    std::string out = wrapped(command.get_description(), 0, 0, help_width) + "\n\n" +
+                      wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
+    std::vector<CommandOption> const all = options_of(command);
+    std::vector<std::string> groups;
+    for (CommandOption const& one : all) {
+        if (one.name.empty()) out += entry(one.value, one.text);
+        else if (std::ranges::find(groups, one.group) == groups.end()) groups.push_back(one.group);
+    }
+    if (!all.empty() && all.front().name.empty()) out += '\n';
+    if (whole) {
+        out += "Commands:\n";
+        for (CLI::App const* one : shown_commands(command)) out += entry(one->get_name(), one->get_description(), 14);
+        out += '\n';
+    }
+    std::ranges::stable_sort(groups, {}, [](std::string const& group) { return group == "With every command"; });
+    for (std::string const& group : groups) {
+        out += group + ":\n";
+        for (CommandOption const& one : all)
+            if (!one.name.empty() && one.group == group)
+                out += entry(one.spelling(), one.text + (one.required ? " (required)" : ""));
+        out += '\n';
+    }
+    if (whole) {
+        out += "Exit codes:\n";
+        for (Meaning const& code : exit_codes()) out += entry(code.name, code.text, 8);
+        out += '\n';
+    }
+    return out + notes(command.get_footer(), 79);
+}
+
+Command help_command(CLI::App& app) {
+    auto const name = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("help", "This help, or that of a command.");
+    c->add_option("COMMAND", *name, "as in the list of commands")->type_name("");
+    return {c, [name, &app] {
+                std::vector<std::string_view> names;
+                for (CLI::App const* command : shown_commands(app)) names.push_back(command->get_name());
+                if (!name->empty()) expect_one_of(names, *name, "", "command");
+                print(help_text(name->empty() ? app : *app.get_subcommand(*name)));
+                return 0;
+            }};
 }
 
 }  // namespace rlslab::program

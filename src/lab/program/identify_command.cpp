@@ -1,8 +1,6 @@
 // rlslab identify, simulate and excitation: from a record to a model, and from a model to a record.
 #include "src/lab/identify/identify.hpp"
 #include "src/lab/identify/text.hpp"
-#include "src/lab/program/commands.hpp"
-#include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/report/json.hpp"
 

@@ -3,7 +3,6 @@
 #include "src/lab/program/definitions.hpp"
 
 #include <fmt/format.h>
-#include <sstream>
 
 namespace rlslab::program {
 namespace {

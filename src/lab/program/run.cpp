@@ -14,7 +14,6 @@
 #include <unistd.h>
 
 namespace rlslab::program {
-using namespace report;
 namespace {
 
 char advice[512];

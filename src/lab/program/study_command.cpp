@@ -1,10 +1,8 @@
 // rlslab study: questions with claims; tables, figures, verdicts, a report. rlslab merge: the same from parts of a run.
-#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/study_options.hpp"
 #include <rlslab/studies/factors.hpp>
 #include <rlslab/studies/journal.hpp>
-#include <rlslab/studies/latex.hpp>
 #include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/input/suggestion.hpp>

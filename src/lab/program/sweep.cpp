@@ -1,8 +1,8 @@
 // rlslab sweep: a study made at run time, over values of forgetting, prior, arithmetic and model order; its command.
-#include "src/lab/program/sweep.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/program/study_options.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/input/suggestion.hpp>
@@ -24,6 +24,13 @@ using namespace compare;
 using namespace report;
 using namespace studies;
 namespace {
+
+struct Sweep {
+    std::vector<FactorValues> vary;
+    int order = 0;                              ///< of the model that is given; 0: it has none
+    int row_orders = 1;                         ///< the record's, and so many more, less one
+    std::function<Records(int order)> records;  ///< of the model of this order; 0: of the one that is given
+};
 
 /// What the trials share; they only read it.
 struct Given {
@@ -152,8 +159,11 @@ std::vector<Plot> plots_of(std::vector<Factor> const& factors) {
     return out;
 }
 
-}  // namespace
-
+/// One trial for each combination of order, forgetting, prior, arithmetic and row order; in it every variant, against
+/// the certified solution of the problem as that arithmetic stores it, at compare's checkpoints. Other orders of rows
+/// only where forgetting = 1: elsewhere the order is part of the problem. Reads the records of all orders at once.
+/// The caller names the data in Study::source. Throws InputError for a factor that does not exist or a value that it
+/// cannot have.
 Study study_of(Sweep const& sweep, std::uint64_t seed) {
     auto const given = std::make_shared<Given>();
     std::vector<Factor> const factors = factors_of(sweep, given->variants);
@@ -191,8 +201,6 @@ Study study_of(Sweep const& sweep, std::uint64_t seed) {
 }
 
 // --- the command -----------------------------------------------------------------------------------------------------
-
-namespace {
 
 struct SweepArguments : StudyRun {
     RecordArguments record;

@@ -1,7 +1,6 @@
 // rlslab's command line: what it is for, its commands, and those of them that are a few lines.
 #include "src/lab/export/export.hpp"
 #include "src/lab/program/bibliography.hpp"
-#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/record_options.hpp"
 
