@@ -62,24 +62,18 @@ Json result_json(Comparison const& c, Result const& r) {
     for (size_t m = 0; m < 3; ++m)
         path[measured[m]] = each(r.path, [&](Digits const& digits) { return digits_json(digits.*Digits::all()[m]); });
     OtherOrders const& others = r.others;
-    Json out{{"variant", r.entry->variant},
-             {"arithmetic", r.entry->arithmetic->name},
-             {"theta_digits", digits_json(r.last.theta)},
-             {"theta_digits_worst", digits_json(r.last.worst)},
-             {"covariance_digits", digits_json(r.last.covariance)},
-             {"spread", spreads_json(r.spread)},
-             {"path", path},
-             {"runs", r.runs},
-             {"broken", r.broken},
-             {"other_orders",
-              others.runs > 0 ? object("runs broken spread", {others.runs, others.broken, spreads_json(others.spread)})
-                              : Json()},
-             {"breakdown", breakdown_json(r.breakdown)},
-             {"foretold", nullptr},
-             {"asymmetry", short_json(r.asymmetry)},
-             {"operations", r.operations ? Json(*r.operations) : Json()},
-             {"ns_per_update", short_json(r.ns_per_update)}};
-    if (r.foretold) out["foretold"] = breakdown_json(Breakdown{Index(rounded_row(*r.foretold)), Health::indefinite});
+    Json out =
+        object("variant arithmetic theta_digits theta_digits_worst covariance_digits spread path runs broken",
+               {r.entry->variant, r.entry->arithmetic->name, digits_json(r.last.theta), digits_json(r.last.worst),
+                digits_json(r.last.covariance), spreads_json(r.spread), path, r.runs, r.broken});
+    Json const reordered = others.runs > 0
+                               ? object("runs broken spread", {others.runs, others.broken, spreads_json(others.spread)})
+                               : Json(),
+               foretold =
+                   r.foretold ? breakdown_json(Breakdown{Index(rounded_row(*r.foretold)), Health::indefinite}) : Json();
+    out.update(object("other_orders breakdown foretold asymmetry operations ns_per_update",
+                      {reordered, breakdown_json(r.breakdown), foretold, short_json(r.asymmetry),
+                       r.operations ? Json(*r.operations) : Json(), short_json(r.ns_per_update)}));
     if (c.options.certify)
         out["probes"] = r.probed
                             ? object("estimate bound truth", {short_json(r.probed->estimate),
