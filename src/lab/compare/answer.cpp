@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {

@@ -4,7 +4,6 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/composed_score.hpp"
-#include "src/lab/compare/score.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/recommend.hpp"
 #include "src/lab/report/refuse.hpp"
@@ -45,9 +44,8 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
         refuse("--certify: expected --arithmetic {}", fmt::join(composed_arithmetics(), ", "));
     // From the shortest to the longest; the catalogue's before others of their length, in its order.
     auto const place = [](Arithmetic const* a) {
-        for (size_t i = 0; i < arithmetics().size(); ++i)
-            if (a == &arithmetics()[i]) return i;
-        return arithmetics().size();
+        return std::ranges::find_if(arithmetics(), [&](Arithmetic const& one) { return a == &one; }) -
+               arithmetics().begin();
     };
     std::ranges::sort(used, {}, [&](Arithmetic const* a) { return std::tuple(a->digits, place(a), a->name); });
     used.erase(std::unique(used.begin(), used.end()), used.end());

@@ -2,7 +2,6 @@
 // of a running filter show of its error of P, beside that error in 257 bits.
 #pragma once
 
-#include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/score.hpp"
 
 #include <map>

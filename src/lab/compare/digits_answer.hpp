@@ -3,7 +3,6 @@
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
-#include "src/lab/report/progress.hpp"
 
 namespace rlslab::compare {
 

@@ -2,8 +2,6 @@
 // costs for the arithmetics and the prior of a comparison, in numbers and in a sentence.
 #include "src/lab/compare/prior_law.hpp"
 
-#include <rlslab/arithmetic/elementary.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

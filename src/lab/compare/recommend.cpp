@@ -7,7 +7,6 @@
 #include <tuple>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 constexpr double least_digits_of_P = 0.5, least_digits_of_data = 0.5;

@@ -2,7 +2,6 @@
 #include "src/lab/identify/estimate.hpp"
 
 #include "src/lab/identify/text.hpp"
-#include "src/lab/identify/structure.hpp"
 
 #include <rlslab/model/lags.hpp>
 
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 
 namespace rlslab::identify {
-using namespace report;
 
 int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& parameters, int input) {
     int idle = 0, all = 0;

@@ -10,7 +10,6 @@
 #include <span>
 
 namespace rlslab::identify {
-using namespace report;
 namespace {
 
 constexpr int longest = 200;  // the cost of poles and zeros grows with its third power
