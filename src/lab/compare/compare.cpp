@@ -5,7 +5,7 @@
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/composed_score.hpp"
 #include "src/lab/compare/prior_law.hpp"
-#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/answer.hpp"
 #include "src/lab/report/refuse.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

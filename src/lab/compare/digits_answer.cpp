@@ -1,6 +1,5 @@
 // One arithmetic after another is compared, with a prior that leaves the digits that are wanted; the answer in words.
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/words.hpp"

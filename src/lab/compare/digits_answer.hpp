@@ -33,7 +33,7 @@ struct ArithmeticTrial {
     Comparison comparison{};     ///< of the columns as they were taken
     bool in_range = true;        ///< whether the stored prior and lambda are positive and finite there
     std::vector<KeptDigits>
-        sound;  ///< the variants that never broke down, in the order in which they are recommended (recommend.hpp)
+        sound;          ///< the variants that never broke down, in the order in which they are recommended (answer.hpp)
     double wanted = 0;  ///< digits
 
     std::vector<std::string> zeros() const;  ///< the names of parameters that are zero

@@ -1,7 +1,6 @@
 // A comparison as a page: the answer, digits along the record, their spread, and what they cost.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/report/page.hpp"
 

@@ -1,5 +1,5 @@
-// The rules of recommend.hpp, over digits as they are printed.
-#include "src/lab/compare/recommend.hpp"
+// The rules of answer.hpp, over digits as they are printed.
+#include "src/lab/compare/answer.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -15,22 +15,12 @@
 namespace rlslab::program {
 using namespace report;
 
-CLI::Validator whole(long least, long most) {
-    return {[=](std::string& text) {
-                long value = 0;
-                auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-                bool const good =
-                    error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
-                return good ? ""
-                            : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most,
-                                          printable(text));
-            },
-            ""};
-}
+namespace {
 
-CLI::Validator real(char const* expected, double least, double most) {
+template <class T>
+CLI::Validator number(std::string const& expected, T least, T most) {
     return {[=](std::string& text) {
-                double value = 0;
+                T value = 0;
                 auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
                 bool const good =
                     error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
@@ -38,6 +28,50 @@ CLI::Validator real(char const* expected, double least, double most) {
             },
             ""};
 }
+
+OutputOptions output_options;
+
+/// A line that is written over itself, and wiped off in the end.
+class ProgressLine {
+    using Clock = std::chrono::steady_clock;
+    static double seconds_since(Clock::time_point then) {
+        return std::chrono::duration<double>(Clock::now() - then).count();
+    }
+    Clock::time_point const start_ = Clock::now();
+    Clock::time_point stage_start_ = start_;
+    std::string stage_;
+    size_t width_ = 0;
+    int shown_ = -1;
+
+public:
+    ProgressLine() = default;
+    ~ProgressLine() {
+        if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
+    }
+    ProgressLine(ProgressLine const&) = delete;
+    ProgressLine& operator=(ProgressLine const&) = delete;
+    void show(std::string_view stage, double part) {
+        if (stage != stage_) {
+            if (!stage_.empty()) stage_start_ = Clock::now();
+            stage_ = stage, shown_ = -1;
+        }
+        int const percent = int(100 * part);
+        if (seconds_since(start_) < 1 || percent == shown_) return;
+        shown_ = percent;
+        std::string const line = progress_text(stage, part, seconds_since(stage_start_));
+        width_ = std::max(width_, line.size());
+        std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
+    }
+};
+
+std::vector<std::string> command_words{"rlslab"};
+
+}  // namespace
+
+CLI::Validator whole(long least, long most) {
+    return number(fmt::format("a whole number from {} to {}", least, most), least, most);
+}
+CLI::Validator real(char const* expected, double least, double most) { return number<double>(expected, least, most); }
 
 CLI::Option* OptionRow::define(CLI::App& command) const {
     CLI::Option* const out = add_(command);
@@ -127,47 +161,6 @@ void print(std::string const& text) {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
         refuse("standard output: cannot write: {}", std::strerror(errno));
 }
-
-namespace {
-
-OutputOptions output_options;
-
-/// A line that is written over itself, and wiped off in the end.
-class ProgressLine {
-    using Clock = std::chrono::steady_clock;
-    static double seconds_since(Clock::time_point then) {
-        return std::chrono::duration<double>(Clock::now() - then).count();
-    }
-    Clock::time_point const start_ = Clock::now();
-    Clock::time_point stage_start_ = start_;
-    std::string stage_;
-    size_t width_ = 0;
-    int shown_ = -1;
-
-public:
-    ProgressLine() = default;
-    ~ProgressLine() {
-        if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
-    }
-    ProgressLine(ProgressLine const&) = delete;
-    ProgressLine& operator=(ProgressLine const&) = delete;
-    void show(std::string_view stage, double part) {
-        if (stage != stage_) {
-            if (!stage_.empty()) stage_start_ = Clock::now();
-            stage_ = stage, shown_ = -1;
-        }
-        int const percent = int(100 * part);
-        if (seconds_since(start_) < 1 || percent == shown_) return;
-        shown_ = percent;
-        std::string const line = progress_text(stage, part, seconds_since(stage_start_));
-        width_ = std::max(width_, line.size());
-        std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
-    }
-};
-
-std::vector<std::string> command_words{"rlslab"};
-
-}  // namespace
 
 void set_output_options(OutputOptions const& options) { output_options = options; }
 
