@@ -10,8 +10,7 @@ bool takes_single_rows(Result const& result);
 /// Never broke down, in no order of the rows, and has digits.
 bool is_sound(Result const& result);
 
-/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use: 3, if no
-/// number is given.
+/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use; default 3.
 double wanted_digits(CompareOptions const& options);
 /// The loss of a variant to these.
 Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
@@ -59,8 +58,7 @@ inline constexpr Index largest_on_a_board = 64;
 std::string code(Comparison const& comparison, CodedFilter const& filter, std::string_view word = "cpp");
 /// Of the one that keeps the wanted digits, or without them of the recommended one; "" where there is none.
 std::string code(Comparison const& comparison, std::string_view word = "cpp");
-/// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as
-/// one.
+/// Code in lines of at most `width` letters where it has blanks: a comment goes on as one over the lines of it.
 std::string folded(std::string const& code, size_t width);
 
 }  // namespace rlslab::compare

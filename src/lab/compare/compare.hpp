@@ -1,5 +1,4 @@
-// Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare`
-// shows.
+// `rlslab compare`: every variant in every arithmetic on one set of records, against the certified reference.
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
@@ -19,8 +18,7 @@
 
 namespace rlslab::compare {
 
-/// If the prior moves theta by more than this, nothing is recommended: the accuracy of a variant then matters less than
-/// the prior.
+/// If the prior moves theta by more than this, nothing is recommended: it then matters more than a variant's accuracy.
 inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
 
 struct CompareOptions {
@@ -125,8 +123,7 @@ struct RoundingEffect {
     bool prior_subnormal = false;             ///< whether an entry of P0 is subnormal there: it and P would lose digits
 };
 
-/// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never
-/// broke down.
+/// A variant's loss, by median, in the measure where that is most: to the best in it of those that never broke down.
 struct Loss {
     std::string variant;
     double digits = 0;    ///< infinite: it broke down, or has no answer

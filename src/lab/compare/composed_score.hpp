@@ -9,16 +9,14 @@
 
 namespace rlslab::compare {
 
-/// One recursion in 257 bits at each checkpoint, and how far it can be trusted: the digits in which a second variant
-/// agrees.
+/// One recursion in 257 bits at each checkpoint, and how far to trust it: the digits in which a second variant agrees.
 struct Recursion {
     std::vector<Vector<Reference>> theta;
     std::vector<Matrix<Reference>> P;
     std::vector<double> agreement;
 };
 
-/// What a composition's numbers are compared with, for one rounded problem. Computed when first needed; several threads
-/// may use it.
+/// What a composition is compared with, for one rounded problem. Computed when needed; several threads may use it.
 ///
 ///   (1) minimiser: theta and P of the least-squares problem that the rows in the window pose, or all rows so far where
 ///       there is none, with weights lambda^i and the prior; proven

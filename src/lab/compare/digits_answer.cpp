@@ -92,8 +92,7 @@ Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<b
 
 // --- (1), (2), (5) ---------------------------------------------------------------------------------------------------
 
-/// Which parameters are zero, as far as the certificate tells: below 1e-38 of the largest, each in units of its
-/// regressor.
+/// Parameters that are zero, as far as the certificate tells: below 1e-38 of the largest, in units of their regressors.
 std::vector<bool> zeros_of(Vector<Reference> const& exact, Records const& records) {
     Vector<double> const s = regressor_scales(records);
     Reference largest = 0;

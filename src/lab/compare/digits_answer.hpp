@@ -1,5 +1,4 @@
-// compare --digits N: the shortest arithmetic that keeps N digits of every parameter, with the scaling and the prior
-// that it takes.
+// compare --digits N: the shortest arithmetic that keeps N digits of every parameter, with its scaling and its prior.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
@@ -75,8 +74,7 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
 std::string answer_text(DigitsAnswer const& answer, bool colour, size_t columns = 0);
 /// Digits to a tenth, rounded down: none is promised that is not there.
 inline double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
-/// The file of code alone (answer.hpp); "" where nothing keeps the digits, or in an arithmetic that is no type of the
-/// hardware.
+/// The file of code alone (answer.hpp); "" where nothing keeps the digits, or the hardware has no such arithmetic.
 std::string code(DigitsAnswer const& answer, std::string_view word = "cpp");
 
 }  // namespace rlslab::compare

@@ -85,8 +85,7 @@ bool is_near_the_best(Result const& r, std::vector<Result const*> const& sound, 
            tenths_of(loss_of(r, sound).digits) <= 10 * half_a_digit;
 }
 
-/// The cheapest form that propagates a factor and is within half a digit of the best, where it costs less than the one
-/// that is named.
+/// The cheapest form that propagates a factor and is within half a digit of the best, if it costs less than the named.
 std::string cheapest(std::vector<Result const*> const& ranking, double wanted) {
     Result const* out = ranking.front();
     for (Result const* r : ranking)

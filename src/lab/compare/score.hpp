@@ -16,8 +16,7 @@ struct RowOrder {
                                            ///< problem has no exact solution
 };
 
-/// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with the exact solutions of that
-/// problem.
+/// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with that problem's exact solutions.
 struct RoundedProblem {
     Problem<double> problem;
     Records records;
@@ -137,8 +136,7 @@ Records drawn(Records records, size_t draw);
 inline constexpr size_t draws_at_a_time = 4;
 size_t most_draws(Index rows, CompareOptions const& options = {});
 
-/// Whether a further draw could change what is named: a form for single rows that never broke down, whose loss is at
-/// most two digits.
+/// Whether a draw could change what is named: a form for single rows that never broke down, losing two digits at most.
 bool is_contender(Result const& result, std::vector<Result const*> const& sound);
 
 /// Whether the draws tell enough. `runs` are those of `results`, entry by entry, of one arithmetic; `before` is what

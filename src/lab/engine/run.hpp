@@ -1,5 +1,4 @@
-// Runs studies: trials on all cores. The results do not depend on the number of cores. A run that is killed can be
-// continued.
+// Runs studies: trials on all cores, whose number no result depends on. A run that is killed can be continued.
 #pragma once
 
 #include <rlslab/catalogue/catalogue.hpp>

@@ -33,11 +33,9 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes);
 
 /// Verdicts by study and by claim.
 using Record = std::map<std::string, std::map<std::string, Verdict>>;
-/// The verdicts of seed 1 in studies/verdicts.json or studies/verdicts-full.json, as they were when the program was
-/// built.
+/// The verdicts of seed 1 in studies/verdicts.json or studies/verdicts-full.json when the program was built.
 Record const& recorded(Budget budget);
-/// The text of the record: the claims of each study in their order. Studies that were not run keep their claims in
-/// `old`.
+/// The text of the record: the claims of each study in their order; of one that was not run those in `old`.
 std::string record_json(std::vector<Outcome> const& outcomes, Record const& old);
 /// Throws InputError for a text that is no record.
 Record record_from(std::string const& json);
@@ -51,8 +49,7 @@ std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcom
 
 // --- LaTeX for papers: a table of claims for each study, and a macro for each measurement ----------------------------
 
-/// Text as LaTeX shows it: its special characters escaped, Greek letters and signs as mathematics. Other characters
-/// stay as they are.
+/// Text for LaTeX: its special characters escaped, Greek letters and signs as mathematics; others stay as they are.
 std::string latex(std::string_view text);
 
 /// A longtable (booktabs) of the study's claims: kind, claim, measurement, verdict.

@@ -1,6 +1,5 @@
 // Loops: runs of statements that are the same but for places that go on by equal steps. Loops of equal count become one
-// where no statement sees another order of what it depends on; a number that is stored for the same pass alone becomes a
-// variable.
+// where no statement sees another order of what it depends on; a number stored for one pass alone becomes a variable.
 #pragma once
 
 #include "src/lab/export/program.hpp"

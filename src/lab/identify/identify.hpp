@@ -234,8 +234,7 @@ struct Estimate {
     std::vector<TrajectoryPoint> trajectory = {};
 };
 
-/// The model's properties, and its errors on both parts of the record. NaN and empty: theta is not finite, or not
-/// known.
+/// The model's properties, and its errors on both parts of the record. NaN and empty: theta is not finite, or unknown.
 struct Validation {
     DifferenceEquation model = {};
     std::vector<std::complex<double>> poles = {};

@@ -77,8 +77,7 @@ void define_format(CLI::App& command, CsvFormat& format);
 /// --time, of the commands that take rows for samples.
 OptionRow time_option(std::string& column);
 
-/// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
-/// program instead.
+/// Writes the whole answer to standard output. InputError when it cannot be written; a closed pipe ends the program.
 void print(std::string const& text);
 
 /// Writes a line to standard error, unless --quiet was said.

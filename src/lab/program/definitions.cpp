@@ -1,5 +1,4 @@
-// The definitions are read from CLI11's structures. The exit codes and the environment, which CLI11 does not know, are
-// written here.
+// The definitions are read from CLI11's structures; exit codes and environment, which it does not know, stand here.
 #include "src/lab/program/definitions.hpp"
 
 #include "src/lab/program/commands.hpp"

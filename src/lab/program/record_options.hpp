@@ -1,5 +1,4 @@
-// The record that a command works on: a file or an example, its columns and a model; and what is composed around each
-// variant.
+// The record that a command works on: a file or an example, its columns and a model; what is composed around variants.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
@@ -56,8 +55,7 @@ std::span<Example const> examples();
 /// Throws InputError with the names there are.
 Example const& example_named(std::string const& name, std::string const& where);
 
-/// The arguments with the model of their example where they have none of their own. Throws InputError where there are
-/// an example and a FILE.
+/// The arguments with their example's model where they have none of their own. InputError for an example and a FILE.
 RecordArguments with_example(RecordArguments arguments);
 
 // --- what is composed around each variant ---------------------------------------------------------------------------

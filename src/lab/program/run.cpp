@@ -1,5 +1,4 @@
-// A command line, from its words to the exit code; signals end it as in git: a handler cleans up and raises the same
-// signal again.
+// A command line, from words to exit code; signals end it as in git: a handler cleans up and raises the signal again.
 #include "src/lab/program/run.hpp"
 
 #include "src/lab/program/commands.hpp"

@@ -1,5 +1,4 @@
-// What a main() does: it prepares the process and runs a command line. Knows nothing of CLI11, which takes long to
-// parse.
+// What a main() does: it prepares the process and runs a command line. Without CLI11, which takes long to parse.
 #pragma once
 
 #include <string>

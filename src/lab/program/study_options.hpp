@@ -30,8 +30,7 @@ studies::Share run_share(std::vector<studies::Study const*> const& chosen, Study
 /// "part 1 of 4: 12 of 50 trials ..."; `or_merge` follows "the same command without --part".
 std::string part_text(StudyRun const& run, studies::Share const& share, char const* or_merge);
 
-/// Runs all trials that are not finished. Writes tables, figures and report.html into run.options.out, whose lock the
-/// caller holds.
+/// Runs all unfinished trials. Writes tables, figures, report.html into run.options.out, whose lock the caller holds.
 std::vector<studies::Outcome> run_whole(std::vector<studies::Study const*> const& chosen, StudyRun const& run);
 
 }  // namespace rlslab::program

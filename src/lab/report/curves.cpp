@@ -1,5 +1,4 @@
-// Lines, bands, bars, marks. What lies outside the panel is cut off here, not by the viewer: a file holds what it
-// shows.
+// Lines, bands, bars, marks. What lies outside the panel is cut off here, not by the viewer: a file has what it shows.
 #include "src/lab/report/plot.hpp"
 #include "src/lab/report/svg.hpp"
 

@@ -1,5 +1,4 @@
-// A figure as data: which curves, from which numbers, in which looks. svg.hpp draws it; nothing here knows what it
-// shows.
+// A figure as data: curves, their numbers, their looks. svg.hpp draws it; nothing here knows what it shows.
 #pragma once
 
 #include <rlslab/core/family.hpp>
@@ -38,8 +37,7 @@ struct Curve {
     bool strong = false;  ///< thicker and over the others, which are lighter in a panel that has such a curve
 };
 
-/// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line with its text at the
-/// top.
+/// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line, its text at the top.
 struct Event {
     double x, y = std::numeric_limits<double>::quiet_NaN();
     std::string text;

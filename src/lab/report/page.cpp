@@ -38,8 +38,7 @@ bool drawn(Figure const& figure, std::string const& name) {
     return false;
 }
 
-/// The numbers of the series as a legend beside a single panel lists them: from the top down as they stand at the end
-/// of their lines.
+/// The series' numbers as a legend beside a single panel lists them: from the top down as their lines end.
 std::vector<size_t> from_the_top(std::vector<Curve const*> const& legend) {
     std::vector<size_t> out(legend.size());
     std::iota(out.begin(), out.end(), 0);
