@@ -355,8 +355,7 @@ CertifiedSolution least_squares(Records const& records, double forgetting) {
     CertifiedSolution out = certified(problem, records, {records.rows()}).front();
     if (out.status() == Status::singular)
         refuse(
-            "{}{}the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
-            "over {} rows{}",
+            "{}{}the regressors are linearly dependent, so theta is not determined: exact rank {} of {} over {} rows{}",
             records.file, records.file.empty() ? "" : ": ", out.rank(), records.parameters(), records.rows(),
             constants_text(records));
     return out;

@@ -111,8 +111,7 @@ Record centred(Record record, IdentifyOptions const& options) {
             if (std::abs(v) > size) size = std::abs(v);
         if (size > 0 && size < 0x1p-400)  // squares of the rest must not underflow
             refuse(
-                "{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of "
-                "ten",
+                "{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of ten",
                 record.file, name, size);
     }
     return record;

@@ -223,14 +223,12 @@ Command identify_command(CLI::App& app) {
         "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 "
         "--out model\n\n"
         "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise "
-        "variance, theta and the "
-        "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of "
-        "--forgetting alone.\n\n" +
+        "variance, theta and the prediction made before the row, with standard deviations (tracked.csv). The model "
+        "above it stays that of --forgetting alone.\n\n" +
         control_notes() +
         "\n"
         "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
-        "record that do not "
-        "make sense.");
+        "record that do not make sense.");
     IdentifyOptions& o = a->options;
     OptionRow("FILE", a->file, "", file_with_missing_values).required().define(*c);
     define_format(*c, a->format);

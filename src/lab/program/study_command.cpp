@@ -237,10 +237,8 @@ Command study_command(CLI::App& app) {
         "All of them:  {0} study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
         "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a "
-        "finding (ours). It "
-        "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided "
-        "otherwise. "
-        "{2}\n\n"
+        "finding (ours). It holds when its interval over the seeds lies inside its band, fails when it lies outside, "
+        "and is undecided otherwise. {2}\n\n"
         "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could "
         "not be run.",
         program_name(), studies::studies().front()->name,
@@ -290,10 +288,9 @@ Command merge_command(CLI::App& app) {
         "Four machines:  {0} study --all --budget full --part 1/4 --out part1    and so on, to part4\n"
         "Then:           {0} merge part1 part2 part3 part4 --out out\n"
         "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without "
-        "--part makes the "
-        "tables there.\n\n"
-        "Exit code: as of {0} study; 2 if a trial is missing, or the parts are of different programs, studies, "
-        "budgets or seeds.",
+        "--part makes the tables there.\n\n"
+        "Exit code: as of {0} study; 2 if a trial is missing, or the parts are of different programs, studies, budgets "
+        "or seeds.",
         program_name()));
     define(*merging, {OptionRow("DIR", mt->from, "", named("folders"), "the --out folders of the parts").required(),
                       OptionRow("--out", mt->out, "DIR", named("a folder"),

@@ -73,8 +73,7 @@ Command state_command(CLI::App& app) {
     c->footer(
         "Example:  rlslab state controller.state\n\n"
         "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of "
-        "forgetting), and "
-        "their editions, options and counts of rows. C++ reads and writes such files with "
+        "forgetting), and their editions, options and counts of rows. C++ reads and writes such files with "
         "<rlslab/state/state_file.hpp>.\n\n"
         "Exit code: 0 a state; 2 a file that cannot be read, is no state, or is damaged.");
     c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
@@ -97,10 +96,9 @@ bool is_name_of_c(std::string_view name) {
         " alignas alignof and asm auto bitand bitor bool break case catch char class compl const constexpr continue "
         "decltype default delete do double double_t else enum EOF explicit export extern false float float_t for "
         "friend goto if inline int int8_t int16_t int32_t int64_t linux long main memcmp memcpy memset mutable "
-        "namespace new noexcept not NULL nullptr operator or private protected public register restrict return "
-        "short signed size_t sizeof sqrt sqrtf static struct switch template this thread_local throw true try "
-        "typedef typeid typename typeof uint8_t uint16_t uint32_t uint64_t union unix unsigned using virtual void "
-        "volatile while xor ";
+        "namespace new noexcept not NULL nullptr operator or private protected public register restrict return short "
+        "signed size_t sizeof sqrt sqrtf static struct switch template this thread_local throw true try typedef typeid "
+        "typename typeof uint8_t uint16_t uint32_t uint64_t union unix unsigned using virtual void volatile while xor ";
     if (taken.find(fmt::format(" {} ", name)) != taken.npos) return false;
     auto const letter = [](char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z'); };
     return !name.empty() && name.size() <= 31 && letter(name.front()) &&

@@ -333,8 +333,7 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
         double const y = std::clamp(axes.y(event.y), box.top, box.bottom);
         out = fmt::format(
             "<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" "
-            "fill=\"{2}\"/>"
-            "<title>{4}</title>",
+            "fill=\"{2}\"/><title>{4}</title>",
             fixed(x), fixed(y), look.colour, mark_path("x", x, y), escaped_xml(event.text));
     }
     return fmt::format("<g class=\"s event\" data-s=\"{}\">{}</g>\n", series, out);

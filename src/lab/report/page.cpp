@@ -157,8 +157,7 @@ extern char const* const page_script;
 std::string page(std::string_view title, std::string_view body) {
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-        "content=\"width=device-width, "
-        "initial-scale=1\">\n"
+        "content=\"width=device-width, initial-scale=1\">\n"
         "<title>{}</title>\n<style>\n{}</style></head><body>\n{}<script>\n{}</script>\n</body></html>\n",
         escaped(title), page_style, body, page_script);
 }
