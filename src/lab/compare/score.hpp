@@ -98,9 +98,8 @@ Spread spread_of(std::vector<std::optional<double>> const& digits);
 struct Run {
     std::vector<Digits> digits;  ///< at each checkpoint; empty: the problem has no exact solution
     std::optional<Breakdown> breakdown = {};
-    std::optional<double> foretold = {};  ///< row, if it did not break down: Foretold
-    std::optional<double> asymmetry =
-        {};  ///< max |F_ij - F_ji| / max |F_ij| of what is stored at the end; 0 for factors
+    std::optional<double> foretold = {};   ///< row, if it did not break down: Foretold
+    std::optional<double> asymmetry = {};  ///< max |F_ij - F_ji| / max |F_ij| of what is stored last; 0 for factors
     bool factor;
     Vector<Reference> theta;  ///< after the last row
 };

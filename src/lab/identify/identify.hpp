@@ -206,8 +206,7 @@ struct PastInput {
     Index lag;           ///< of the largest correlation
     double correlation;  ///< at this lag
     double bound;        ///< 99 % bound of all lags of all inputs together
-    Index first_lag;     ///< first significant lag when all lags up to `lag` are in the equation; `lag` if none is
-                         ///< significant
+    Index first_lag;     ///< first significant lag when all up to `lag` are in the equation; `lag` if none is
 };
 
 /// The terms of the equation, and how they were chosen.
@@ -254,10 +253,10 @@ struct Validation {
     std::vector<Signal> cross_correlation = {};  ///< of residuals and each input, lags 0 ...
     double bound = 0;  ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
     std::vector<PastInput> past_inputs = {};
-    std::vector<Outlier> outliers = {};              ///< the largest of the fitted part, and of the held-out part
-    Signal measured = {}, one_step = {};             ///< with means, from the first row of the equation on
-    Signal simulated = {}, simulated_held_out = {};  ///< likewise; from the first outputs, and from those just before
-                                                     ///< the held-out part; empty without an input
+    std::vector<Outlier> outliers = {};   ///< the largest of the fitted part, and of the held-out part
+    Signal measured = {}, one_step = {};  ///< with means, from the first row of the equation on
+    /// Likewise; from the first outputs, and from those just before the held-out part; empty without an input.
+    Signal simulated = {}, simulated_held_out = {};
 };
 
 struct TrackedRow {

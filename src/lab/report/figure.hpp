@@ -16,8 +16,8 @@ namespace rlslab::report {
 struct Look {
     std::string colour = {};  ///< #rrggbb
     bool dashed = false;
-    std::string mark =
-        {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
+    /// circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
+    std::string mark = {};
 };
 /// Of a variant by its family; of anything else by its place among the others.
 Look look_of(std::optional<Family> const& family, size_t place);
@@ -50,9 +50,9 @@ struct Panel {
                        guides = {};  ///< guides: to compare with; cut off where they leave the curves' range
     std::vector<Event> events = {};
     bool log_y = false;  ///< besides the figure's; for a figure with own_y
-    double y_least =
-        -std::numeric_limits<double>::infinity();  ///< the axis ends here: a triangle at its lower edge stands for less
-    std::vector<double> y_holds = {};              ///< besides the figure's
+    /// The axis ends here: a triangle at its lower edge stands for less.
+    double y_least = -std::numeric_limits<double>::infinity();
+    std::vector<double> y_holds = {};  ///< besides the figure's
 };
 
 struct Figure {
