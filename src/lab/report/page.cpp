@@ -202,20 +202,19 @@ std::string as_html(Provenance const& of) {
     return out + "</p></footer>\n";
 }
 
+std::string in_quotes(std::string const& text) {
+    std::string out = "'";
+    for (char const c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + '\'';
+}
+
 std::string shell_text(std::vector<std::string> const& words) {
     std::string out;
     for (std::string const& word : words) {
         bool const plain = !word.empty() && word.find_first_not_of(
                                                 "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                                 "0123456789_-+=./,:@%") == word.npos;
-        out += out.empty() ? "" : " ";
-        if (plain) {
-            out += word;
-            continue;
-        }
-        out += '\'';
-        for (char const c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        out += '\'';
+        out += (out.empty() ? "" : " ") + (plain ? word : in_quotes(word));
     }
     return out;
 }

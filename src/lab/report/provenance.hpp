@@ -35,6 +35,8 @@ std::string as_comments(Provenance const& of);
 /// The foot of a page.
 std::string as_html(Provenance const& of);
 
+/// Text in single quotes, for a shell.
+std::string in_quotes(std::string const& text);
 /// A command line as a shell reads it: words that need quotes have them.
 std::string shell_text(std::vector<std::string> const& words);
 /// The time now: "2026-11-24T21:18:05Z".
