@@ -7,13 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 
 namespace rlslab::compare {
 using namespace report;
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// The axes of digits end here: an error of ten times the answer is as bad as any other.
 constexpr double least_digits = -1;
 
@@ -105,7 +103,7 @@ Figure along_the_record(Comparison const& c) {
                             .strong = is_recommended(c, x)};
                 for (size_t k = 0; k < x.path.size(); ++k) {
                     curve.x.push_back(double(c.checkpoints[k]));
-                    curve.y.push_back((x.path[k].*of.digits).value_or(nan));
+                    curve.y.push_back((x.path[k].*of.digits).value_or(NAN));
                 }
                 if (x.breakdown && !x.path.empty()) panel.events.push_back(breakdown_event(c, *x.breakdown, curve));
                 panel.curves.push_back(std::move(curve));

@@ -1,5 +1,6 @@
 // The text of the report, and curves from rows. src/lab/report/ makes pages, drawings and formulas.
 #include <rlslab/studies/report.hpp>
+#include "src/lab/report/axis.hpp"
 #include "src/lab/report/page.hpp"
 
 #include <rlslab/studies/interval.hpp>
@@ -181,14 +182,12 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
 
 namespace {
 
-bool shown(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
-
 Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bool log_x, bool log_y) {
     Curve out{.name = std::move(name), .look = std::move(look)};
     std::map<double, std::vector<double>> at;
     std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
     for (size_t i = 0; i < x.size(); ++i)
-        if (shown(x[i], log_x) && shown(y[i], log_y) && !(y[i] < plot.floor && plot.floor > 0))
+        if (Axis::shows(x[i], log_x) && Axis::shows(y[i], log_y) && !(y[i] < plot.floor && plot.floor > 0))
             at[x[i]].push_back(y[i]);
     for (auto const& [place, values] : at) {
         out.x.push_back(place);
@@ -245,7 +244,7 @@ Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, boo
     for (int i = 0; i <= points && from <= to; ++i) {
         double const part = double(i) / points;
         double const x = log_x ? from * correctly::pow(to / from, part) : from + (to - from) * part, y = of.y(x);
-        if (!shown(y, log_y) || (floor > 0 && y < floor)) continue;
+        if (!Axis::shows(y, log_y) || (floor > 0 && y < floor)) continue;
         out.x.push_back(x);
         out.y.push_back(y);
     }

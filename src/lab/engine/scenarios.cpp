@@ -212,7 +212,7 @@ Records answered(Matrix<double> psi, Seed seed, double noise) {
 
 Records answered(Matrix<double> psi, Vector<double> const& theta, Seed seed, double noise) {
     Index const rows = psi.cols();
-    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
+    Records out{.psi = std::move(psi), .y = Vector<double>(rows)};
     for (Index k = 0; k < rows; ++k) {
         double sum = 0;
         for (Index i = 0; i < out.psi.rows(); ++i) sum += theta[i] * out.psi(i, k);

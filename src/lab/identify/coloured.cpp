@@ -226,7 +226,7 @@ Cured with_instruments(IdentifyOptions const& options, Structure const& structur
     Records const& r = rows.records;
     Index const d = Index(structure.terms.size()), q = past_outputs(structure.terms), m = r.parameters() - q,
                 N = record.fitted - r.presample;
-    Records const zeta{.psi = r.psi.bottomRows(m), .y = r.y, .names = {}, .skipped = 0, .presample = r.presample};
+    Records const zeta{.psi = r.psi.bottomRows(m), .y = r.y, .presample = r.presample};
     Cured out{.order = n, .rows = r.rows()};
     InstrumentalVariables<Ud<double>> f({.size = d, .prior = prior_of(estimate)},
                                         {.size = m, .prior = default_prior(zeta, 1).prior()}, q);

@@ -257,12 +257,7 @@ Index past_outputs(std::vector<Term> const& terms) {
 Rows rows_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
     Index const first = presample(terms), last = Index(y.size()), d = Index(terms.size());
     expects(last >= first, "more samples than the longest lag");
-    Rows out{{.psi = Matrix<double>(d, last - first),
-              .y = Vector<double>(last - first),
-              .names = {},
-              .skipped = 0,
-              .presample = first},
-             {}};
+    Rows out{{.psi = Matrix<double>(d, last - first), .y = Vector<double>(last - first), .presample = first}, {}};
     Records& r = out.records;
     for (Term const& t : terms) r.names.push_back(t.name);
     for (Index at = first; at < last; ++at) {
@@ -286,7 +281,6 @@ Rows Rows::before(Index sample) const {
     return {{.psi = records.psi.leftCols(count),
              .y = records.y.head(count),
              .names = records.names,
-             .skipped = 0,
              .presample = records.presample},
             {samples.begin(), samples.begin() + count}};
 }
