@@ -130,15 +130,6 @@ std::string run_json(StudyArguments const& a) {
     return out.dump(1) + '\n';
 }
 
-int study_part(StudyArguments const& a) {
-    check_part(a);
-    create_folder(a.options.out / ".trials");
-    FolderLock const lock(a.options.out, a.part);
-    note_run(a, run_json(a), "other studies, another budget or seed");
-    tell(part_text(a, run_share(a.chosen, a), fmt::format(" (or {} merge)", program_name()).c_str()));
-    return 0;
-}
-
 /// 1 if a verdict changed against the record, or a verification failed.
 int study_whole(StudyArguments const& a) {
     create_folder(a.options.out / "figures");
@@ -183,7 +174,11 @@ int run_study(StudyArguments& a) {
     resolve(a);
     if (a.describe) return describe(a);
     expect_no_other_run(a.out, "sweep.csv", "sweep");
-    return a.part.whole() ? study_whole(a) : study_part(a);
+    if (a.part.whole()) return study_whole(a);
+    check_part(a);
+    run_one_part(a.chosen, a, run_json(a), "other studies, another budget or seed",
+                 fmt::format(" (or {} merge)", program_name()));
+    return 0;
 }
 
 /// The options of the parts of a run.

@@ -115,23 +115,20 @@ void expect_no_other_run(std::string const& folder, char const* file, char const
                command, file);
 }
 
-void note_run(StudyRun const& run, std::string const& text, char const* others) {
+void run_one_part(std::vector<Study const*> const& chosen, StudyRun const& run, std::string const& text,
+                  char const* others, std::string const& or_merge) {
+    create_folder(run.options.out / ".trials");
+    FolderLock const lock(run.options.out, run.part);
     std::string const before = noted_run(run.out);
     if (!before.empty() && before != text)
         refuse("{}: holds parts of {}; expected another --out, or that run finished", printable(run.out, 200), others);
     replace_file(run.options.out / ".trials" / "run.json", text);
-}
-
-Share run_share(std::vector<Study const*> const& chosen, StudyRun const& run) {
     keep_when_stopped(run);
-    return run_part(chosen, run.options, run.part, progress_after_a_second("studying"));
-}
-
-std::string part_text(StudyRun const& run, Share const& share, char const* or_merge) {
-    return fmt::format(
-        "{}: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
-        "--part{} makes the tables\n",
-        program_name(), run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge);
+    Share const share = run_part(chosen, run.options, run.part, progress_after_a_second("studying"));
+    tell(
+        fmt::format("{}: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
+                    "--part{} makes the tables\n",
+                    program_name(), run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge));
 }
 
 std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun const& run) {

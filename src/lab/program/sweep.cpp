@@ -258,13 +258,8 @@ int run_sweep(SweepArguments& a) {
         if (noted_run(folder) != text)
             refuse("--from {}: expected a folder with parts of this sweep", printable(folder, 200));
     if (!a.from.empty()) merge_parts({&study}, a.options, {a.from.begin(), a.from.end()});
+    if (!a.part.whole()) return run_one_part({&study}, a, text, "another sweep, of other data, or of studies", ""), 0;
     create_folder(a.options.out / ".trials");
-    if (!a.part.whole()) {
-        FolderLock const lock(a.options.out, a.part);
-        note_run(a, text, "another sweep, of other data, or of studies");
-        tell(part_text(a, run_share({&study}, a), ""));
-        return 0;
-    }
     FolderLock const lock(a.options.out);
     std::vector<Outcome> const outcomes = run_whole({&study}, a);
     if (noted_run(a.out) == text) std::filesystem::remove(a.options.out / ".trials" / "run.json");  // its parts are in
