@@ -207,8 +207,7 @@ CertifiedSolution least_squares(Records const& records, double forgetting);
 /// (exact rank). Its stages are "reference" and "comparing".
 Comparison compare(Records const& records, CompareOptions const& options, report::StagedProgress const& progress = {});
 
-/// The comparison as text (colour: with ANSI codes; columns: of the terminal that it is to fit, 0: as wide as it is),
-/// as JSON and as CSV.
+/// The comparison as text (colour: with ANSI codes; columns: of the terminal to fit, 0: as wide as it is), JSON, CSV.
 std::string as_table(Comparison const& comparison, bool colour, size_t columns = 0);
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);

@@ -45,8 +45,7 @@ public:
     Index age_of_prior(Index k, CompositionCounts const& happened) const;
 };
 
-/// Whether a guard changed what a filter was given, or its state: from there on only (2) is what it would answer
-/// without rounding.
+/// Whether a guard changed a filter's rows or state: from there on only (2) is what it would answer without rounding.
 bool intervened(Composition const& composition, CompositionCounts const& happened);
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed

@@ -104,8 +104,7 @@ struct Run {
     Vector<Reference> theta;  ///< after the last row
 };
 /// The filter takes the rows of the problem in this order (empty: the record's), `block` at a time. Breakdown is tested
-/// after each block. `digits_at(c)` compares the filter with the reference at checkpoint c, after the rows up to it. It
-/// may be empty.
+/// after each block. `digits_at(c)`, if any, compares it with the reference at checkpoint c, after the rows up to it.
 Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded,
         std::vector<Index> const& order, std::function<Digits(size_t)> const& digits_at);
 /// The runs of one entry: in the record's order, and in others.
@@ -130,8 +129,7 @@ Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::ui
 /// have few bits, so that whole numbers stay whole numbers of few bits.
 Records drawn(Records records, size_t draw);
 
-/// Draws are taken four at a time, until `settled`; at most 16, and at most as many as make 2^17 rows. One
-/// with a composition.
+/// Draws are taken four at a time, until `settled`; at most 16, and as many as make 2^17 rows. One with a composition.
 inline constexpr size_t draws_at_a_time = 4;
 size_t most_draws(Index rows, CompareOptions const& options = {});
 

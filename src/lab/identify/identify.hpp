@@ -54,8 +54,7 @@ struct OrderChoice {
 
 /// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of N residuals after so many
 /// parameters of past outputs were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at
-/// least. If residuals are missing (NaN), N - tau is the number of complete pairs, and lags without a pair do not
-/// count.
+/// least. Where residuals are missing (NaN), N - tau counts complete pairs, and lags without a pair do not count.
 struct LjungBox {
     double Q, p;
     Index lags, freedom;

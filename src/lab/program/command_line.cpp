@@ -71,8 +71,7 @@ struct CommandLine {
         for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
         return out;
     }
-    /// CLI11 takes any word as an option's value, so that -1.5 can be one; one that is an option of the same command
-    /// was not meant.
+    /// CLI11 takes any word as a value, so that -1.5 can be one; an option of the same command was not meant as one.
     void expect_values(std::vector<std::string> const& words) const {
         CLI::App const* taker = &app;
         for (size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
