@@ -6,7 +6,6 @@
 #include "src/lab/compare/composed_score.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/report/refuse.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/input/constant.hpp>

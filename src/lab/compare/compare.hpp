@@ -3,7 +3,7 @@
 
 #include <rlslab/catalogue/composition.hpp>
 #include "src/lab/report/provenance.hpp"
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>

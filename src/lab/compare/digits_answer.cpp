@@ -222,12 +222,10 @@ std::string failing(ArithmeticTrial const& t) {
 
 std::string scaling_text(ArithmeticTrial const& t) {
     if (t.exponents.empty()) return "none: P0 is scaled to the columns";
-    std::vector<std::string> factors;
-    for (int const e : t.exponents) factors.push_back(fmt::format("2^{}", e));
     return fmt::format(
-        "regressors times {}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's "
+        "regressors times 2^{}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's "
         "factor times 2^{}",
-        fmt::join(factors, ", "), t.output_exponent, -t.output_exponent);
+        fmt::join(t.exponents, ", 2^"), t.output_exponent, -t.output_exponent);
 }
 
 std::string guard_text(DigitsAnswer const& a) {

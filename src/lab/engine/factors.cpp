@@ -1,5 +1,4 @@
 // Other values for factors; the study in words.
-#include "src/lab/report/refuse.hpp"
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 #include <rlslab/studies/factors.hpp>

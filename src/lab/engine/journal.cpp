@@ -1,7 +1,7 @@
 // A line for each finished trial, with a checksum; an incomplete last line is removed.
 #include <rlslab/studies/journal.hpp>
 
-#include "src/lab/report/refuse.hpp"
+#include "src/lab/report/messages.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -3,7 +3,6 @@
 
 #include <rlslab/studies/factors.hpp>
 
-#include "src/lab/report/refuse.hpp"
 
 #include <fmt/format.h>
 #include <fstream>

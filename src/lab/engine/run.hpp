@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/catalogue/catalogue.hpp>
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "src/lab/report/provenance.hpp"
 #include <rlslab/studies/journal.hpp>
 #include <rlslab/studies/study.hpp>

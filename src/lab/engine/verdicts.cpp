@@ -2,7 +2,6 @@
 #include <rlslab/studies/verdicts.hpp>
 
 #include "src/lab/report/json.hpp"
-#include "src/lab/report/refuse.hpp"
 #include <rlslab/input/text.hpp>
 
 #include <algorithm>

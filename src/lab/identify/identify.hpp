@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "src/lab/report/provenance.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>

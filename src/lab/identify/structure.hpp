@@ -3,7 +3,6 @@
 #pragma once
 
 #include "src/lab/identify/identify.hpp"
-#include "src/lab/report/refuse.hpp"
 
 #include <rlslab/model/fit.hpp>
 

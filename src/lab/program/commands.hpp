@@ -1,9 +1,8 @@
 // Functions that the program's subcommands share: checks of options, and output.
 #pragma once
 
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "src/lab/report/provenance.hpp"
-#include "src/lab/report/refuse.hpp"
 
 #include <rlslab/input/formats/open.hpp>
 
