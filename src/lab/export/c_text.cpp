@@ -1,6 +1,5 @@
 // The header of C.
 #include "src/lab/export/export.hpp"
-#include "src/lab/export/lower.hpp"
 #include "src/lab/export/recording.hpp"
 #include "src/lab/export/roll.hpp"
 

@@ -2,10 +2,7 @@
 // where no statement sees another order of what it depends on; a number stored for one pass alone becomes a variable.
 #pragma once
 
-#include "src/lab/export/program.hpp"
-
-#include <algorithm>
-#include <set>
+#include "src/lab/export/lower.hpp"
 
 namespace rlslab::exporting {
 namespace detail {

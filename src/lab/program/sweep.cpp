@@ -161,9 +161,8 @@ std::vector<Plot> plots_of(std::vector<Factor> const& factors) {
 
 /// One trial for each combination of order, forgetting, prior, arithmetic and row order; in it every variant, against
 /// the certified solution of the problem as that arithmetic stores it, at compare's checkpoints. Other orders of rows
-/// only where forgetting = 1: elsewhere the order is part of the problem. Reads the records of all orders at once.
-/// The caller names the data in Study::source. Throws InputError for a factor that does not exist or a value that it
-/// cannot have.
+/// only where forgetting = 1: elsewhere the order is part of the problem. Reads the records of all orders at once. The
+/// caller names the data in Study::source. Throws InputError for an unknown factor, or a value that it cannot have.
 Study study_of(Sweep const& sweep, std::uint64_t seed) {
     auto const given = std::make_shared<Given>();
     std::vector<Factor> const factors = factors_of(sweep, given->variants);
