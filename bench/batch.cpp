@@ -1,6 +1,5 @@
-// batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts
-// on several cores. large/VARIANT/double/SIZE: one filter of many parameters, rows one by one; VARIANT_rows_known: in
-// blocks.
+// batch/VARIANT/ROWSxSIZE: variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts on
+// several cores. large/VARIANT/double/SIZE: a filter of many parameters, row by row; VARIANT_rows_known: in blocks.
 #include "bench/large.hpp"
 
 #include <rlslab/core/type_list.hpp>

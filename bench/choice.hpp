@@ -45,8 +45,7 @@ Choice& choice();
 /// Throws std::runtime_error, with a line for people, for a value that cannot be used.
 void take_choice(int& argc, char** argv);
 
-/// Runs the rows with our options and those of Google Benchmark; argv[0] is the program. Returns 0, or 2 for an option
-/// that it does not know.
+/// Runs the rows with our options and Google Benchmark's; argv[0] is the program. Returns 0, or 2: an unknown option.
 int run_rows(int argc, char** argv);
 
 }  // namespace rlslab::bench

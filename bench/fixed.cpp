@@ -1,5 +1,4 @@
-// fixed/VARIANT/double/SIZE: the filters whose size the compiler knows; fixed/by_hand_VARIANT/double/SIZE: hand-written
-// loops.
+// fixed/VARIANT/double/SIZE: filters whose size the compiler knows; fixed/by_hand_VARIANT/double/SIZE: loops by hand.
 #include "bench/by_hand.hpp"
 #include "bench/choice.hpp"
 #include "bench/rows.hpp"

@@ -60,8 +60,7 @@ struct Kind {
     bool steps = false, missing = false;
 };
 
-/// Every filter on the scenario's rows: what a row costs does not depend on its numbers. A timed stretch is one row of
-/// each filter.
+/// Every filter on the scenario's rows: a row's cost does not depend on its numbers. A timed stretch: a row of each.
 template <class F>
 void run_fleet(benchmark::State& state, Index size, Kind const& kind) {
     using T = typename F::scalar::lane_type;

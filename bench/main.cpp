@@ -25,8 +25,7 @@ constexpr char verbs[] = R"(expected one of
                               rows a second of the ranks of an MPI job, which it starts by mpirun
                               (in builds with MPI))";
 
-/// make(the text of the file). Throws std::runtime_error, with the file's name before any complaint; `missing` where
-/// there is none.
+/// make(the file's text). Throws std::runtime_error that begins with the file's name; `missing` where there is none.
 template <class Make>
 auto made_from(char const* path, char const* missing, Make make) {
     try {

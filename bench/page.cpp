@@ -41,8 +41,7 @@ std::string time_for_people(double nanoseconds) {
     return number + " " + units[unit];
 }
 
-/// Time, digits, what theta() takes where it is solved for, and the time over that of `base`, with theta where both
-/// have it.
+/// Time, digits, theta()'s time where it is solved for, and the time over `base`'s, with theta where both have it.
 std::string cell(BenchRow const& row, BenchRow const* base) {
     std::string out = time_for_people(row.nanoseconds);
     out += row.finite ? fmt::format(", {:.1f} digits", row.digits) : ", not finite";
@@ -76,7 +75,7 @@ std::string drawn(Rows const& rows, std::string const& name) {
                   .log_y = true,
                   .panels = {{"", {}, {}}}};
     for (std::string const& one : distinct(rows, &BenchRow::name)) {
-        Curve curve{.name = one, .look = {}, .x = {}, .y = {}};
+        Curve curve{.name = one};
         BenchRow const* last = nullptr;
         for (BenchRow const& row : rows)
             if (row.name == one) {

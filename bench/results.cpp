@@ -18,8 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Made JSON: Google Benchmark writes NaN and Infinity, which JSON has not, for the relative scatter of times that are
-/// 0. They become null.
+/// Made JSON: Google Benchmark writes NaN and Infinity for the relative scatter of times that are 0. They become null.
 Json parsed(std::string const& text) {
     static std::regex const not_finite("(: *)-?(NaN|nan|Infinity|inf)(?=[,\\s}])");
     return Json::parse(std::regex_replace(text, not_finite, "$1null"));
@@ -57,24 +56,6 @@ BenchRow measured(Json const& row) {
     return out;
 }
 
-}  // namespace
-
-Run run_of(std::string const& run_json) {
-    Json const all = parsed(run_json);
-    Run run{fmt::format("{}, {}", machine_of(all), all.at("context").value("date", "").substr(0, 10)), {}};
-    // Interleaved repetitions end in any order; the page has that of the program.
-    std::vector<Json> rows = all.at("benchmarks");
-    std::ranges::stable_sort(rows, {}, [](Json const& row) { return row.value("family_index", 0); });
-    for (Json const& row : rows) {
-        bool const repeated = row.value("repetitions", 1) > 1;
-        if (row.value("error_occurred", false) || (repeated && row.value("aggregate_name", "") != "median")) continue;
-        run.rows.push_back(measured(row));
-    }
-    return run;
-}
-
-namespace {
-
 /// Times of one name, by the number of parameters.
 using Times = std::map<double, double>;
 
@@ -90,6 +71,20 @@ std::string most_parameters(Times const& times, double period) {
 }
 
 }  // namespace
+
+Run run_of(std::string const& run_json) {
+    Json const all = parsed(run_json);
+    Run run{fmt::format("{}, {}", machine_of(all), all.at("context").value("date", "").substr(0, 10)), {}};
+    // Interleaved repetitions end in any order; the page has that of the program.
+    std::vector<Json> rows = all.at("benchmarks");
+    std::ranges::stable_sort(rows, {}, [](Json const& row) { return row.value("family_index", 0); });
+    for (Json const& row : rows) {
+        bool const repeated = row.value("repetitions", 1) > 1;
+        if (row.value("error_occurred", false) || (repeated && row.value("aggregate_name", "") != "median")) continue;
+        run.rows.push_back(measured(row));
+    }
+    return run;
+}
 
 std::string table_of_times(Run const& run) {
     static constexpr std::array shown{4, 8, 16, 32, 64, 128, 256};

@@ -30,9 +30,8 @@ Run run_of(std::string const& run_json);
 /// Plots and tables in one file that loads nothing.
 std::string page_of(Run const& run);
 
-/// Markdown: nanoseconds an update of each variant and of dlib (where it is in the run) in double at 4 to 256
-/// parameters, how many parameters it takes at 48 and 16 kHz, and the machine. Throws std::runtime_error where the run
-/// has no such row.
+/// Markdown: nanoseconds an update of each variant and of dlib (if it is in the run) in double at 4 to 256 parameters,
+/// how many parameters it takes at 48 and 16 kHz, and the machine. std::runtime_error where the run has no such row.
 std::string table_of_times(Run const& run);
 
 /// One pass that reads and writes 8192 bytes: a row's time over it is what a faster clock leaves as it is.

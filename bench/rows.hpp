@@ -97,8 +97,7 @@ double longest_step(Index steps, Begin begin, Step step) {
     return std::ranges::max(least) - clock;
 }
 
-/// The times of single updates as they come, in nanoseconds, with what the machine did between them; less what the
-/// clock takes.
+/// The times of single updates as they come, in ns, with what the machine did between them; less what the clock takes.
 struct Singles {
     double median, p99, longest;
     double p9999;  ///< 99.99 % take no longer; 0 where too few were timed

@@ -17,7 +17,7 @@ Scenario measured(Problem<double> problem, Matrix<double> psi, Index scored, See
     for (Index i = 0; i < theta.size(); ++i) theta[i] = (i % 2 ? -1.0 : 1.0) / double(i + 1);
     Vector<double> y = psi.transpose() * theta;
     for (double& v : y) v = rounded_to_float(v + 0.1 * seed.bell());
-    Records records{.psi = std::move(psi), .y = std::move(y), .names = {}};
+    Records records{.psi = std::move(psi), .y = std::move(y)};
     std::vector<CertifiedSolution> exact = certified(problem, records, {scored});
     return {std::move(problem), std::move(records), scored, std::move(exact.front())};
 }
@@ -60,8 +60,7 @@ Scenario const& rows_of_window(Index size) {
     return once(made, size, [size] {
         Scenario const& all = tapped_delay_line(size);
         Index const rows = window_rows(size), first = all.scored - rows;
-        Records kept{
-            .psi = all.records.psi.middleCols(first, rows), .y = all.records.y.segment(first, rows), .names = {}};
+        Records kept{.psi = all.records.psi.middleCols(first, rows), .y = all.records.y.segment(first, rows)};
         CertifiedSolution exact = certified(all.problem, kept, {rows}).front();
         return Scenario{all.problem, std::move(kept), rows, std::move(exact)};
     });

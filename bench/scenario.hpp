@@ -23,8 +23,7 @@ Scenario const& tapped_delay_line(Index size);
 /// prior, whose weight the rows before them have taken to variance 10 / lambda^20.
 Scenario const& window_of_delay_line(Index size);
 inline Index window_rows(Index size) { return 2 * size + 80; }
-/// The rows that this window holds, as a record of their own with the prior of all scenarios: what factoring them anew
-/// has to give.
+/// The rows that this window holds, as a record with the prior of all scenarios: what factoring them anew has to give.
 Scenario const& rows_of_window(Index size);
 
 /// The batches' scenario: the same regressors, so many rows, lambda = 1, no prior; all rows are scored.

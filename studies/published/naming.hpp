@@ -1,7 +1,7 @@
 // What compare names of a record of a random problem, and what a form loses on another record.
 #pragma once
 
-#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/answer.hpp"
 #include "studies/published/drawn_problem.hpp"
 
 #include <rlslab/studies/judgements.hpp>

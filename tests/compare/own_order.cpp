@@ -3,7 +3,6 @@
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/prior_law.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"
 #include "tests/common/message.hpp"
 

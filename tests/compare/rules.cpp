@@ -1,7 +1,6 @@
 // The rules of the recommendation, each from both sides of its margin.
 #include "tests/common/message.hpp"
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/words.hpp"
 

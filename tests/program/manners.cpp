@@ -1,5 +1,5 @@
 // The behaviour of the program towards its user: misspelt words, closed pipes, interrupts, help.
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "tests/common/kept.hpp"
 #include "tests/common/program.hpp"
 #include "tests/common/terminal.hpp"

@@ -1,5 +1,5 @@
 // What papers take from a run: text that LaTeX can set, and a paper that quotes claims which exist.
-#include <rlslab/studies/latex.hpp>
+#include <rlslab/studies/verdicts.hpp>
 #include "tests/common/program.hpp"
 
 #include <algorithm>

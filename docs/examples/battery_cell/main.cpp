@@ -8,8 +8,7 @@
 
 namespace {
 
-/// The cell that is measured: R0 in series with R1 parallel to C1, behind a voltage that falls with the charge that was
-/// drawn.
+/// The cell that is measured: R0 in series with R1 parallel to C1, behind a voltage that falls with the charge drawn.
 ///   v = 3.70 V - 20 mV / Ah q - R0 i - w,   w' = (R1 i - w) / (R1 C1)
 struct Cell {
     static constexpr double R0 = 2.0e-3, R1 = 1.2e-3, tau = 8.0;  // ohm, ohm, seconds

@@ -1,5 +1,4 @@
-// An oven's model in float, learnt for a week from a sensor that fails: with a guard, without one, and across a restart
-// of the controller.
+// An oven's model in float, learnt for a week from a sensor that fails: with a guard, without, and across a restart.
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/core/random.hpp>

@@ -6,7 +6,6 @@
 #include <rlslab/variants/ud.hpp>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>

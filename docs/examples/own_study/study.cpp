@@ -14,7 +14,7 @@ using namespace rlslab::studies;
 /// The rows of data.csv in an order drawn from the seed: degrees = theta' (1, volts, volts^2).
 static Records calibration(Seed seed) {
     Columns const data = read_columns(DATA, {"volts", "degrees"});
-    Records out{.psi = Matrix<double>::Zero(3, data.rows()), .y = Vector<double>::Zero(data.rows()), .names = {}};
+    Records out{.psi = Matrix<double>::Zero(3, data.rows()), .y = Vector<double>::Zero(data.rows())};
     for (Index k = 0; k < data.rows(); ++k) {
         double const v = data["volts"][k];
         Index const at = Index(seed.next() % std::uint64_t(k + 1));  // the row there goes to the end

@@ -9,7 +9,6 @@
 #include <array>
 #include <functional>
 #include <limits>
-#include <utility>
 
 namespace rlslab::live {
 

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
@@ -19,20 +18,6 @@ Result const& result_of(Comparison const& c, std::string const& arithmetic, std:
         return x.entry->variant == variant && x.entry->arithmetic->name == arithmetic;
     });
 }
-
-}  // namespace
-
-std::string class_of(std::string_view variant) {
-    std::string out;
-    bool capital = true;
-    for (char const c : variant) {
-        if (c != '_') out += capital ? char(c - 'a' + 'A') : c;
-        capital = c == '_';
-    }
-    return out;
-}
-
-namespace {
 
 /// "ud is 0.5 digits below the best form in P", or, behind another such text, "conventional 2.8 below in P".
 std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next, bool first) {
@@ -68,6 +53,16 @@ std::string beside_text(Comparison const& c, Recommendation const& r) {
 }
 
 }  // namespace
+
+std::string class_of(std::string_view variant) {
+    std::string out;
+    bool capital = true;
+    for (char const c : variant) {
+        if (c != '_') out += capital ? char(c - 'a' + 'A') : c;
+        capital = c == '_';
+    }
+    return out;
+}
 
 std::string verdict(Comparison const& c, size_t width) {
     std::string out;

@@ -1,9 +1,32 @@
-// The short answer of a comparison: the variant to use, its cost, and code for it.
+// The answer of a comparison: which variant to use in an arithmetic, and why, or why none; its cost, and code for it.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
 
 namespace rlslab::compare {
+
+/// Meant for single rows: neither a variant that takes blocks of them, nor one whose operations are in another library.
+bool takes_single_rows(Result const& result);
+/// Never broke down, in no order of the rows, and has digits.
+bool is_sound(Result const& result);
+
+/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use; default 3.
+double wanted_digits(CompareOptions const& options);
+/// The loss of a variant to these.
+Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
+/// Variants that never broke down, in the order in which they are recommended:
+///   (1) a usable one before one that is not
+///   (2) one whose `low` is at most half a digit behind another's; of others the one that is least behind
+///   (3) the least loss first, counted in tenths of a digit, as printed
+///   (4) of equals the preferred one
+///   (5) before all that, where its sums are exact, `information`, if it is usable and within half a digit by (2), (3)
+std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted, bool exact_sums = false);
+
+/// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations
+/// are in another library, are not recommended: they are not meant for single rows.
+Recommendation recommend(Arithmetic const& arithmetic, Comparison const& comparison);
+
+// --- in words, and as code -------------------------------------------------------------------------------------------
 
 /// "Ud" for "ud", "InverseQr" for "inverse_qr".
 std::string class_of(std::string_view variant);
@@ -35,8 +58,7 @@ inline constexpr Index largest_on_a_board = 64;
 std::string code(Comparison const& comparison, CodedFilter const& filter, std::string_view word = "cpp");
 /// Of the one that keeps the wanted digits, or without them of the recommended one; "" where there is none.
 std::string code(Comparison const& comparison, std::string_view word = "cpp");
-/// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as
-/// one.
+/// Code in lines of at most `width` letters where it has blanks: a comment goes on as one over the lines of it.
 std::string folded(std::string const& code, size_t width);
 
 }  // namespace rlslab::compare

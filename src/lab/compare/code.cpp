@@ -8,11 +8,28 @@
 #include <fmt/format.h>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 /// The arithmetics of the hardware, named as in C++, the shortest first.
 constexpr std::string_view hardware[] = {"float", "double"};
+
+/// "first, second, third" in lines of text_width; it begins at column `at`, further lines with `indent`.
+std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at) {
+    std::string out;
+    for (size_t i = 0; i < items.size(); ++i) {
+        std::string const item = items[i] + (i + 1 < items.size() ? "," : "");
+        if (i > 0 && at + 1 + item.size() > text_width) {
+            out += '\n' + indent;
+            at = indent.size();
+        } else if (i > 0) {
+            out += ' ';
+            ++at;
+        }
+        out += item;
+        at += item.size();
+    }
+    return out;
+}
 
 std::string comment(std::string const& mark, std::string const& head, std::vector<std::string> const& items) {
     std::string const begin = mark + " " + head + "(";
@@ -43,6 +60,47 @@ std::string numbers(std::string const& begin, std::vector<double> const& x, char
 std::vector<double> diagonal(Comparison const& c) {
     Vector<double> const P0 = c.scaled_prior->prior().covariance->diagonal();
     return {P0.begin(), P0.end()};
+}
+
+/// ".noise_variance = 0.25, .memory = 100.0": the names of the rule's members, in the order of the control's numbers.
+std::string members(Composition const& c) {
+    std::vector<ControlParameter> const& parameters = control_named(c.control).parameters;
+    std::vector<std::string> out;
+    for (size_t i = 0; i < parameters.size(); ++i)
+        out.push_back(parameters[i].whole ? fmt::format(".{} = {}", parameters[i].member, Index(c.parameters[i]))
+                                          : fmt::format(".{} = {:#}", parameters[i].member, c.parameters[i]));
+    return fmt::format("{{{}}}", fmt::join(out, ", "));
+}
+
+/// The headers of <rlslab/adapt/...> that the composition needs, a line each.
+std::string composition_includes(Composition const& c) {
+    std::vector<std::string_view> headers;
+    if (!c.keeps_the_problem()) headers.push_back(control_named(c.control).header);
+    if (!c.guard.empty()) headers.emplace_back("adapt/guard");
+    if (c.window > 0) headers.emplace_back("adapt/window");
+    std::string out;
+    for (std::string_view const header : headers) out += fmt::format("#include <rlslab/{}.hpp>\n", header);
+    return out;
+}
+
+/// The definition of `filter` around the type, which stands as text, of problem, which is defined above it.
+std::string composition_code(Composition const& c, std::string const& type, std::string const& variant,
+                             std::string const& scalar, Index size) {
+    if (is_its_own_rule(c, variant))
+        return fmt::format("{} filter(problem, rlslab::Matrix<{}>::Identity({}, {}) * {}({:#}));\n", type, scalar, size,
+                           size, scalar, c.parameters[0]);
+    std::string inner = type, arguments = "problem";
+    if (c.window > 0) {
+        inner = fmt::format("rlslab::Windowed<{}>", type);
+        arguments += fmt::format(", {{.rows = {}}}", c.window);
+    }
+    if (!c.keeps_the_problem()) {
+        inner = fmt::format("rlslab::Forgetting<{}, rlslab::{}<{}>>", type, control_named(c.control).type, scalar);
+        arguments += ", " + members(c);
+    }
+    if (c.guard.empty()) return fmt::format("{} filter({});\n", inner, arguments);
+    return fmt::format("{} const unguarded({});\nrlslab::Guarded<{}, rlslab::{}> filter(unguarded, problem);\n", inner,
+                       arguments, inner, find_policy(c.guard)->constant);
 }
 
 std::string cpp_text(Comparison const& c, CodedFilter const& filter) {

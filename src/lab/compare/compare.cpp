@@ -4,9 +4,8 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include "src/lab/compare/composed_score.hpp"
-#include "src/lab/compare/score.hpp"
 #include "src/lab/compare/prior_law.hpp"
-#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/answer.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/input/constant.hpp>
@@ -38,15 +37,14 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     };
     for (std::string const& name : options.composition.empty() ? std::vector<std::string>() : options.arithmetics)
         if (!composes(name))
-            throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
-                                         fmt::join(composed_arithmetics(), " and "), name));
+            refuse("--arithmetic: --control, --window and --guard exist in {}, not in {}",
+                   fmt::join(composed_arithmetics(), " and "), name);
     if (options.certify && std::ranges::none_of(used, composes, &Arithmetic::name))
-        throw InputError(fmt::format("--certify: expected --arithmetic {}", fmt::join(composed_arithmetics(), ", ")));
+        refuse("--certify: expected --arithmetic {}", fmt::join(composed_arithmetics(), ", "));
     // From the shortest to the longest; the catalogue's before others of their length, in its order.
     auto const place = [](Arithmetic const* a) {
-        for (size_t i = 0; i < arithmetics().size(); ++i)
-            if (a == &arithmetics()[i]) return i;
-        return arithmetics().size();
+        return std::ranges::find_if(arithmetics(), [&](Arithmetic const& one) { return a == &one; }) -
+               arithmetics().begin();
     };
     std::ranges::sort(used, {}, [&](Arithmetic const* a) { return std::tuple(a->digits, place(a), a->name); });
     used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -56,8 +54,7 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
             if (options.variants.empty() ||
                 std::ranges::find(options.variants, entry->variant) != options.variants.end())
                 out.push_back(entry);
-    if (out.empty())
-        throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+    if (out.empty()) refuse("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
 
@@ -138,9 +135,8 @@ std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*>
             std::ranges::find(reasons, text) == reasons.end())
             reasons.push_back(text);
     }
-    throw InputError(fmt::format("--variants: none of them {}: {}",
-                                 options.certify ? "goes with --certify" : "can be composed so",
-                                 fmt::join(reasons, "; ")));
+    refuse("--variants: none of them {}: {}", options.certify ? "goes with --certify" : "can be composed so",
+           fmt::join(reasons, "; "));
 }
 
 /// The mean square of the solution's residuals, over the rows that are more than it takes.
@@ -357,11 +353,10 @@ CertifiedSolution least_squares(Records const& records, double forgetting) {
     Problem<double> const problem{.size = records.parameters(), .forgetting = forgetting, .prior = std::nullopt};
     CertifiedSolution out = certified(problem, records, {records.rows()}).front();
     if (out.status() == Status::singular)
-        throw InputError(
-            fmt::format("{}{}the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
-                        "over {} rows{}",
-                        records.file, records.file.empty() ? "" : ": ", out.rank(), records.parameters(),
-                        records.rows(), constants_text(records)));
+        refuse(
+            "{}{}the regressors are linearly dependent, so theta is not determined: exact rank {} of {} over {} rows{}",
+            records.file, records.file.empty() ? "" : ": ", out.rank(), records.parameters(), records.rows(),
+            constants_text(records));
     return out;
 }
 

@@ -1,10 +1,9 @@
-// Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare`
-// shows.
+// `rlslab compare`: every variant in every arithmetic on one set of records, against the certified reference.
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
 #include "src/lab/report/provenance.hpp"
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
@@ -19,8 +18,7 @@
 
 namespace rlslab::compare {
 
-/// If the prior moves theta by more than this, nothing is recommended: the accuracy of a variant then matters less than
-/// the prior.
+/// If the prior moves theta by more than this, nothing is recommended: it then matters more than a variant's accuracy.
 inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
 
 struct CompareOptions {
@@ -125,8 +123,7 @@ struct RoundingEffect {
     bool prior_subnormal = false;             ///< whether an entry of P0 is subnormal there: it and P would lose digits
 };
 
-/// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never
-/// broke down.
+/// A variant's loss, by median, in the measure where that is most: to the best in it of those that never broke down.
 struct Loss {
     std::string variant;
     double digits = 0;    ///< infinite: it broke down, or has no answer
@@ -210,8 +207,7 @@ CertifiedSolution least_squares(Records const& records, double forgetting);
 /// (exact rank). Its stages are "reference" and "comparing".
 Comparison compare(Records const& records, CompareOptions const& options, report::StagedProgress const& progress = {});
 
-/// The comparison as text (colour: with ANSI codes; columns: of the terminal that it is to fit, 0: as wide as it is),
-/// as JSON and as CSV.
+/// The comparison as text (colour: with ANSI codes; columns: of the terminal to fit, 0: as wide as it is), JSON, CSV.
 std::string as_table(Comparison const& comparison, bool colour, size_t columns = 0);
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);

@@ -1,7 +1,6 @@
 // A composed filter processes the rows; its reference is computed when the first filter needs it.
 #include "src/lab/compare/composed_score.hpp"
 #include <rlslab/catalogue/composed.hpp>
-#include "src/lab/compare/score.hpp"
 
 #include <rlslab/linalg/product.hpp>
 #include <rlslab/linalg/triangles.hpp>
@@ -10,7 +9,6 @@
 #include <cmath>
 
 namespace rlslab::compare {
-using namespace report;
 using detail::product;
 namespace {
 

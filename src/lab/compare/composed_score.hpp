@@ -2,7 +2,6 @@
 // of a running filter show of its error of P, beside that error in 257 bits.
 #pragma once
 
-#include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/score.hpp"
 
 #include <map>
@@ -10,16 +9,14 @@
 
 namespace rlslab::compare {
 
-/// One recursion in 257 bits at each checkpoint, and how far it can be trusted: the digits in which a second variant
-/// agrees.
+/// One recursion in 257 bits at each checkpoint, and how far to trust it: the digits in which a second variant agrees.
 struct Recursion {
     std::vector<Vector<Reference>> theta;
     std::vector<Matrix<Reference>> P;
     std::vector<double> agreement;
 };
 
-/// What a composition's numbers are compared with, for one rounded problem. Computed when first needed; several threads
-/// may use it.
+/// What a composition is compared with, for one rounded problem. Computed when needed; several threads may use it.
 ///
 ///   (1) minimiser: theta and P of the least-squares problem that the rows in the window pose, or all rows so far where
 ///       there is none, with weights lambda^i and the prior; proven
@@ -48,8 +45,7 @@ public:
     Index age_of_prior(Index k, CompositionCounts const& happened) const;
 };
 
-/// Whether a guard changed what a filter was given, or its state: from there on only (2) is what it would answer
-/// without rounding.
+/// Whether a guard changed a filter's rows or state: from there on only (2) is what it would answer without rounding.
 bool intervened(Composition const& composition, CompositionCounts const& happened);
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed

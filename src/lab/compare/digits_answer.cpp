@@ -1,6 +1,5 @@
 // One arithmetic after another is compared, with a prior that leaves the digits that are wanted; the answer in words.
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/words.hpp"
@@ -93,8 +92,7 @@ Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<b
 
 // --- (1), (2), (5) ---------------------------------------------------------------------------------------------------
 
-/// Which parameters are zero, as far as the certificate tells: below 1e-38 of the largest, each in units of its
-/// regressor.
+/// Parameters that are zero, as far as the certificate tells: below 1e-38 of the largest, in units of their regressors.
 std::vector<bool> zeros_of(Vector<Reference> const& exact, Records const& records) {
     Vector<double> const s = regressor_scales(records);
     Reference largest = 0;
@@ -224,12 +222,10 @@ std::string failing(ArithmeticTrial const& t) {
 
 std::string scaling_text(ArithmeticTrial const& t) {
     if (t.exponents.empty()) return "none: P0 is scaled to the columns";
-    std::vector<std::string> factors;
-    for (int const e : t.exponents) factors.push_back(fmt::format("2^{}", e));
     return fmt::format(
-        "regressors times {}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's "
+        "regressors times 2^{}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's "
         "factor times 2^{}",
-        fmt::join(factors, ", "), t.output_exponent, -t.output_exponent);
+        fmt::join(t.exponents, ", 2^"), t.output_exponent, -t.output_exponent);
 }
 
 std::string guard_text(DigitsAnswer const& a) {

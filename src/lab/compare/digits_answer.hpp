@@ -1,9 +1,7 @@
-// compare --digits N: the shortest arithmetic that keeps N digits of every parameter, with the scaling and the prior
-// that it takes.
+// compare --digits N: the shortest arithmetic that keeps N digits of every parameter, with its scaling and its prior.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
-#include "src/lab/report/progress.hpp"
 
 namespace rlslab::compare {
 
@@ -29,13 +27,11 @@ struct ArithmeticTrial {
     std::string arithmetic;
     std::vector<int> exponents;  ///< regressor i was taken times 2^exponents[i]; empty: the columns as they are
     int output_exponent = 0;     ///< likewise y
-    std::vector<bool> is_zero;   ///< parameters whose least-squares value is zero: below 1e-38 of the largest in units
-                                 ///< of the regressors
+    std::vector<bool> is_zero;   ///< parameters of 0 in least squares: below 1e-38 of the largest, in regressors' units
     Comparison comparison{};     ///< of the columns as they were taken
     bool in_range = true;        ///< whether the stored prior and lambda are positive and finite there
-    std::vector<KeptDigits>
-        sound;  ///< the variants that never broke down, in the order in which they are recommended (recommend.hpp)
-    double wanted = 0;  ///< digits
+    std::vector<KeptDigits> sound;  ///< variants that never broke down, as they are recommended (answer.hpp)
+    double wanted = 0;              ///< digits
 
     std::vector<std::string> zeros() const;  ///< the names of parameters that are zero
     KeptDigits const* first_enough() const;  ///< the first that keeps as many as are wanted, or null
@@ -76,8 +72,7 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
 std::string answer_text(DigitsAnswer const& answer, bool colour, size_t columns = 0);
 /// Digits to a tenth, rounded down: none is promised that is not there.
 inline double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
-/// The file of code alone (answer.hpp); "" where nothing keeps the digits, or in an arithmetic that is no type of the
-/// hardware.
+/// The file of code alone (answer.hpp); "" where nothing keeps the digits, or the hardware has no such arithmetic.
 std::string code(DigitsAnswer const& answer, std::string_view word = "cpp");
 
 }  // namespace rlslab::compare

@@ -3,24 +3,21 @@
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/words.hpp"
+#include "src/lab/report/json.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace rlslab::compare {
 using namespace report;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// The number as the format prints it; null for what is absent, or not finite: JSON has none (-infinity: no answer).
 Json number(std::optional<double> const& x, char const* format) {
     return x && std::isfinite(*x) ? Json::parse(fmt::format(fmt::runtime(format), *x + 0.0)) : Json();
 }
-/// A digit count is rounded to three decimals: more than its meaning, and few enough that every machine prints the
-/// same.
+/// A digit count is rounded to three decimals: more than its meaning, so few that every machine prints the same.
 Json digits_json(std::optional<double> const& digits) {
     return number(digits ? std::round(*digits / 1e-3) * 1e-3 : digits, "{:.3f}");
 }
@@ -28,7 +25,7 @@ Json short_json(std::optional<double> const& x) { return number(x, "{:.5g}"); }
 Json tenths_json(double x) { return number(x, "{:.1f}"); }
 Json text_json(std::string const& text) { return text.empty() ? Json() : Json(text); }
 Json breakdown_json(std::optional<Breakdown> const& at) {
-    return at ? Json{{"step", at->step}, {"kind", name_of(at->kind)}} : Json();
+    return at ? object("step kind", {at->step, name_of(at->kind)}) : Json();
 }
 
 constexpr char const* measured[] = {"theta", "worst", "covariance"};
@@ -38,15 +35,8 @@ Json spreads_json(std::optional<PerMeasure<Spread>> const& of) {
         Json& one = out[measured[m]] = nullptr;
         if (!of) continue;
         Spread const& s = (*of).*PerMeasure<Spread>::all()[m];
-        one = {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}};
+        one = object("low median high", {tenths_json(s.low), tenths_json(s.median), tenths_json(s.high)});
     }
-    return out;
-}
-/// An array of what made(item) is.
-template <class Items, class Make>
-Json array(Items const& items, Make made) {
-    Json out = Json::array();
-    for (auto const& item : items) out.push_back(made(item));
     return out;
 }
 
@@ -55,12 +45,9 @@ Json composition_json(Comparison const& c) {
     Json numbers = Json::object();
     for (size_t i = 0; i < of.parameters.size(); ++i)
         numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
-    return {{"control", text_json(of.control)},
-            {"parameters", numbers},
-            {"window", of.window > 0 ? Json(of.window) : Json()},
-            {"guard", text_json(of.guard)},
-            {"text", composition_text(of)},
-            {"digits", against_text(c)}};
+    return object("control parameters window guard text digits",
+                  {text_json(of.control), numbers, of.window > 0 ? Json(of.window) : Json(), text_json(of.guard),
+                   composition_text(of), against_text(c)});
 }
 
 /// What a composition did, at each checkpoint.
@@ -72,99 +59,74 @@ constexpr std::pair<char const*, Index CompositionCounts::*> counted[] = {
 Json result_json(Comparison const& c, Result const& r) {
     Json path;
     for (size_t m = 0; m < 3; ++m)
-        path[measured[m]] = array(r.path, [&](Digits const& digits) { return digits_json(digits.*Digits::all()[m]); });
+        path[measured[m]] = each(r.path, [&](Digits const& digits) { return digits_json(digits.*Digits::all()[m]); });
     OtherOrders const& others = r.others;
-    Json out{{"variant", r.entry->variant},
-             {"arithmetic", r.entry->arithmetic->name},
-             {"theta_digits", digits_json(r.last.theta)},
-             {"theta_digits_worst", digits_json(r.last.worst)},
-             {"covariance_digits", digits_json(r.last.covariance)},
-             {"spread", spreads_json(r.spread)},
-             {"path", path},
-             {"runs", r.runs},
-             {"broken", r.broken},
-             {"other_orders",
-              others.runs > 0
-                  ? Json{{"runs", others.runs}, {"broken", others.broken}, {"spread", spreads_json(others.spread)}}
-                  : Json()},
-             {"breakdown", breakdown_json(r.breakdown)},
-             {"foretold", nullptr},
-             {"asymmetry", short_json(r.asymmetry)},
-             {"operations", r.operations ? Json(*r.operations) : Json()},
-             {"ns_per_update", short_json(r.ns_per_update)}};
-    if (r.foretold) out["foretold"] = breakdown_json(Breakdown{Index(rounded_row(*r.foretold)), Health::indefinite});
+    Json out =
+        object("variant arithmetic theta_digits theta_digits_worst covariance_digits spread path runs broken",
+               {r.entry->variant, r.entry->arithmetic->name, digits_json(r.last.theta), digits_json(r.last.worst),
+                digits_json(r.last.covariance), spreads_json(r.spread), path, r.runs, r.broken});
+    Json const reordered = others.runs > 0
+                               ? object("runs broken spread", {others.runs, others.broken, spreads_json(others.spread)})
+                               : Json(),
+               foretold =
+                   r.foretold ? breakdown_json(Breakdown{Index(rounded_row(*r.foretold)), Health::indefinite}) : Json();
+    out.update(object("other_orders breakdown foretold asymmetry operations ns_per_update",
+                      {reordered, breakdown_json(r.breakdown), foretold, short_json(r.asymmetry),
+                       r.operations ? Json(*r.operations) : Json(), short_json(r.ns_per_update)}));
     if (c.options.certify)
-        out["probes"] = r.probed ? Json{{"estimate", short_json(r.probed->estimate)},
-                                        {"bound", short_json(r.probed->bound)},
-                                        {"truth", short_json(r.probed->truth)}}
-                                 : Json();
+        out["probes"] = r.probed
+                            ? object("estimate bound truth", {short_json(r.probed->estimate),
+                                                              short_json(r.probed->bound), short_json(r.probed->truth)})
+                            : Json();
     if (c.options.composition.empty()) {
         out["predicted"] =
-            r.predicted ? Json{{"covariance", tenths_json(r.predicted->digits)}, {"at_least", r.predicted->at_least}}
+            r.predicted ? object("covariance at_least", {tenths_json(r.predicted->digits), r.predicted->at_least})
                         : Json();
         return out;
     }
     out["obstacle"] = text_json(r.obstacle);
     out["certified_to"] = r.certified_to;
     for (auto const& [name, count] : counted)
-        out["happened"][name] = array(r.happened, [&, count = count](CompositionCounts const& h) { return h.*count; });
+        out["happened"][name] = each(r.happened, [&, count = count](CompositionCounts const& h) { return h.*count; });
     return out;
 }
 
 Json recommendation_json(Recommendation const& r) {
-    return {
-        {"arithmetic", r.arithmetic},
-        {"variant", text_json(r.variant)},
-        {"why", r.why},
-        {"cheapest", text_json(r.cheapest)},
-        {"exact_rows", r.exact_rows > 0 ? Json(r.exact_rows) : Json()},
-        {"too_short", r.too_short},
-        {"losses", array(r.losses, [](Loss const& loss) {
-             return Json{{"variant", loss.variant}, {"digits", tenths_json(loss.digits)}, {"of", text_json(loss.of)}};
-         })}};
+    Json const losses = each(r.losses, [](Loss const& loss) {
+        return object("variant digits of", {loss.variant, tenths_json(loss.digits), text_json(loss.of)});
+    });
+    return object("arithmetic variant why cheapest exact_rows too_short losses",
+                  {r.arithmetic, text_json(r.variant), r.why, text_json(r.cheapest),
+                   r.exact_rows > 0 ? Json(r.exact_rows) : Json(), r.too_short, losses});
 }
 
 Json digits_answer_json(DigitsAnswer const& a) {
     Comparison const& last = a.trials.back().comparison;
     Json means = Json::object();
     for (auto const& [column, mean] : last.model.means) means[column] = mean;
-    Json out{{"file", last.model.file},
-             {"rows", last.rows},
-             {"skipped", last.skipped},
-             {"parameters", last.names},
-             {"regressors", last.model.regressors},
-             {"output", last.model.output},
-             {"means", means},
-             {"digits", a.wanted},
-             {"forgetting", last.options.forgetting},
-             {"warnings", warnings(last)},
-             {"zero_parameters", a.trials.back().zeros()}};
-    out["tried"] = array(a.trials, [](ArithmeticTrial const& t) {
-        return Json{{"arithmetic", t.arithmetic},
-                    {"in_range", t.in_range},
-                    {"p0", diagonal_of(*t.comparison.scaled_prior)},
-                    {"exponents", t.exponents},
-                    {"output_exponent", t.output_exponent},
-                    {"variants", array(t.sound, [&](KeptDigits const& k) {
-                         return Json{{"variant", k.result->entry->variant},
-                                     {"digits_along", tenths_json(tenth_below(k.along))},
-                                     {"digits_at_end", tenths_json(tenth_below(k.at_end))},
-                                     {"operations", *k.result->operations},
-                                     {"enough", k.both() >= t.wanted}};
-                     })}};
+    Json out = object("file rows skipped parameters regressors output means digits forgetting",
+                      {last.model.file, last.rows, last.skipped, last.names, last.model.regressors, last.model.output,
+                       means, a.wanted, last.options.forgetting});
+    out.update(object("warnings zero_parameters", {warnings(last), a.trials.back().zeros()}));
+    out["tried"] = each(a.trials, [](ArithmeticTrial const& t) {
+        Json const variants = each(t.sound, [&](KeptDigits const& k) {
+            return object("variant digits_along digits_at_end operations enough",
+                          {k.result->entry->variant, tenths_json(tenth_below(k.along)),
+                           tenths_json(tenth_below(k.at_end)), *k.result->operations, k.both() >= t.wanted});
+        });
+        return object("arithmetic in_range p0 exponents output_exponent variants",
+                      {t.arithmetic, t.in_range, diagonal_of(*t.comparison.scaled_prior), t.exponents,
+                       t.output_exponent, variants});
     });
     out["advice"] = nullptr;
     KeptDigits const* const k = a.choice();
     if (!k) return out;
-    Json& advice = out["advice"] = {
-        {"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", a.guarded()}};
+    Json& advice = out["advice"] =
+        object("variant arithmetic guarded", {k->result->entry->variant, a.chosen()->arithmetic, a.guarded()});
     if (a.guard) {
         CompositionCounts const& n = a.guard->counts;
-        advice["guard_met"] = {{"outliers", n.outliers},
-                               {"changes", n.changes},
-                               {"windups", n.windups},
-                               {"breakdowns", n.breakdowns},
-                               {"unusable", n.unusable}};
+        advice["guard_met"] = object("outliers changes windups breakdowns unusable",
+                                     {n.outliers, n.changes, n.windups, n.breakdowns, n.unusable});
     }
     advice["code"] = code(a);
     return out;
@@ -175,64 +137,44 @@ Json digits_answer_json(DigitsAnswer const& a) {
 std::string as_json(Comparison const& c) {
     Json out;
     out["version"] = RLSLAB_VERSION;
-    out["options"] = {{"forgetting", c.options.forgetting},
-                      {"p0", c.options.p0 ? Json(*c.options.p0) : Json()},
-                      {"seed", c.options.seed}};
-    out["data"] = {{"rows", c.rows},
-                   {"skipped", c.skipped},
-                   {"size", c.size},
-                   {"parameters", c.names},
-                   {"regressors", c.model.regressors}};
+    out["options"] = object("forgetting p0 seed",
+                            {c.options.forgetting, c.options.p0 ? Json(*c.options.p0) : Json(), c.options.seed});
+    out["data"] =
+        object("rows skipped size parameters regressors", {c.rows, c.skipped, c.size, c.names, c.model.regressors});
     if (c.scaled_prior)
-        out["prior"] = {{"c", c.scaled_prior->c},
-                        {"s", std::vector<double>(c.scaled_prior->s.begin(), c.scaled_prior->s.end())},
-                        {"P0", diagonal_of(*c.scaled_prior)},
-                        {"formula", default_prior_formula}};
-    out["reference"] = {{"theta", c.theta},
-                        {"least_squares", c.least_squares},
-                        {"agreement", array(c.agreement, digits_json)},
-                        {"radius", short_json(c.radius)},
-                        {"bits", c.bits},
-                        {"condition", short_json(c.condition)},
-                        {"prior_bias", short_json(c.prior_bias)},
-                        {"component_bias", short_json(c.component_bias)}};
-    out["prior_costs"] = array(c.prior_costs, [](PriorCost const& cost) {
-        return Json{{"arithmetic", cost.arithmetic},
-                    {"form", cost.form},
-                    {"best_c2", short_json(cost.best_c2)},
-                    {"digits", digits_json(cost.digits)},
-                    {"loss", digits_json(cost.loss)}};
+        out["prior"] =
+            object("c s P0 formula",
+                   {c.scaled_prior->c, std::vector<double>(c.scaled_prior->s.begin(), c.scaled_prior->s.end()),
+                    diagonal_of(*c.scaled_prior), default_prior_formula});
+    out["reference"] = object("theta least_squares agreement radius bits condition prior_bias component_bias",
+                              {c.theta, c.least_squares, each(c.agreement, digits_json), short_json(c.radius), c.bits,
+                               short_json(c.condition), short_json(c.prior_bias), short_json(c.component_bias)});
+    out["prior_costs"] = each(c.prior_costs, [](PriorCost const& cost) {
+        return object("arithmetic form best_c2 digits loss", {cost.arithmetic, cost.form, short_json(cost.best_c2),
+                                                              digits_json(cost.digits), digits_json(cost.loss)});
     });
-    out["start_costs"] = array(c.start_costs, [](StartCost const& cost) {
-        return Json{{"arithmetic", cost.arithmetic},
-                    {"digits", digits_json(cost.digits)},
-                    {"loss", digits_json(cost.loss)},
-                    {"best_c2", short_json(cost.best_c2)}};
+    out["start_costs"] = each(c.start_costs, [](StartCost const& cost) {
+        return object("arithmetic digits loss best_c2",
+                      {cost.arithmetic, digits_json(cost.digits), digits_json(cost.loss), short_json(cost.best_c2)});
     });
-    out["exact_sums"] = array(c.exact, [](ExactSums const& exact) {
-        return Json{{"arithmetic", exact.arithmetic}, {"rows", exact.rows}};
+    out["exact_sums"] = each(c.exact, [](ExactSums const& exact) {
+        return object("arithmetic rows", {exact.arithmetic, exact.rows});
     });
     if (!c.options.composition.empty()) out["composition"] = composition_json(c);
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
-    out["storage"] = array(c.rounding, [](RoundingEffect const& s) {
-        return Json{{"arithmetic", s.arithmetic},
-                    {"forgetting", s.forgetting},
-                    {"rank", s.rank},
-                    {"in_range", s.in_range},
-                    {"theta_digits", digits_json(s.theta_digits)},
-                    {"prior_bias", short_json(s.prior_bias)},
-                    {"component_bias", short_json(s.component_bias)}};
+    out["storage"] = each(c.rounding, [](RoundingEffect const& s) {
+        return object("arithmetic forgetting rank in_range theta_digits prior_bias component_bias",
+                      {s.arithmetic, s.forgetting, s.rank, s.in_range, digits_json(s.theta_digits),
+                       short_json(s.prior_bias), short_json(s.component_bias)});
     });
-    out["results"] = array(c.results, [&](Result const& r) { return result_json(c, r); });
+    out["results"] = each(c.results, [&](Result const& r) { return result_json(c, r); });
     out["code"] = code(c);
-    out["recommendation"] = array(c.recommendations, recommendation_json);
+    out["recommendation"] = each(c.recommendations, recommendation_json);
     for (FastResult const& r : c.fast)
-        out["fast_forms"].push_back({{"form", r.form},
-                                     {"arithmetic", r.arithmetic},
-                                     {"prediction_digits", digits_json(r.digits)},
-                                     {"breakdown", breakdown_json(r.breakdown)},
-                                     {"operations", r.operations}});
+        out["fast_forms"].push_back(
+            object("form arithmetic prediction_digits breakdown operations",
+                   {r.form, r.arithmetic, digits_json(r.digits), breakdown_json(r.breakdown), r.operations}));
     if (c.digits) out["digits"] = digits_answer_json(*c.digits);
     if (c.run) out["run"] = Json::parse(as_json(*c.run));
     return out.dump(2) + '\n';

@@ -1,20 +1,17 @@
 // A comparison as a page: the answer, digits along the record, their spread, and what they cost.
 #include "src/lab/compare/answer.hpp"
 #include "src/lab/compare/digits_answer.hpp"
-#include "src/lab/compare/recommend.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/report/page.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 
 namespace rlslab::compare {
 using namespace report;
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// The axes of digits end here: an error of ten times the answer is as bad as any other.
 constexpr double least_digits = -1;
 
@@ -93,26 +90,20 @@ Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve con
 
 /// A panel for each measure in each arithmetic: one legend for all.
 Figure along_the_record(Comparison const& c) {
-    Figure figure{
-        .name = "along", .title = "Digits kept, row by row", .x = "row", .y = "digits", .panels = {}, .own_y = true};
+    Figure figure{.name = "along", .title = "Digits kept, row by row", .x = "row", .y = "digits", .own_y = true};
     figure.first = first_look(c);
     for (Shown const& of : shown)
         for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
-            Panel panel{.name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)),
-                        .curves = {},
-                        .guides = {},
-                        .y_least = least_digits};
+            Panel panel{.name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)), .y_least = least_digits};
             for (size_t i = 0; i < results.size(); ++i) {
                 Result const& x = *results[i];
                 Curve curve{.name = std::string(x.entry->variant),
                             .look = look_of(x.entry->family, i),
-                            .x = {},
-                            .y = {},
                             .marks = false,
                             .strong = is_recommended(c, x)};
                 for (size_t k = 0; k < x.path.size(); ++k) {
                     curve.x.push_back(double(c.checkpoints[k]));
-                    curve.y.push_back((x.path[k].*of.digits).value_or(nan));
+                    curve.y.push_back((x.path[k].*of.digits).value_or(NAN));
                 }
                 if (x.breakdown && !x.path.empty()) panel.events.push_back(breakdown_event(c, *x.breakdown, curve));
                 panel.curves.push_back(std::move(curve));
@@ -137,7 +128,7 @@ std::string spreads(Comparison const& c) {
         Figure figure{.name = "spread-" + r.arithmetic, .title = title, .x = "", .y = "digits", .panels = {Panel{}}};
         figure.panels.front().y_least = least_digits;
         for (size_t m = 0; m < std::size(shown); ++m) {
-            Curve curve{.name = shown[m].axis, .look = look_of({}, m), .x = {}, .y = {}, .line = false, .bars = true};
+            Curve curve{.name = shown[m].axis, .look = look_of({}, m), .line = false, .bars = true};
             for (size_t i = 0; i < results.size(); ++i) {
                 Spread const& s = (*results[i]->spread).*shown[m].spread;
                 curve.x.push_back(double(i) + 0.22 * (double(m) - 1));
@@ -192,13 +183,12 @@ Figure costs(Comparison const& c) {
                   .x = "operations a row, theta included",
                   .y = "digits of theta",
                   .log_x = true,
-                  .panels = {},
                   .own_y = true};
     figure.names = true;
     figure.first = first_look(c);
     std::vector<std::string> uncounted;
     for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
-        Panel panel{.name = panel_name(c, r, results), .curves = {}, .guides = {}, .y_least = least_digits};
+        Panel panel{.name = panel_name(c, r, results), .y_least = least_digits};
         for (size_t i = 0; i < results.size(); ++i) {
             Result const& x = *results[i];
             if (std::string const name(x.entry->variant);

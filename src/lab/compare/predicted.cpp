@@ -1,7 +1,6 @@
 // Triangles of the rows so far in double; each row that is kept is carried to each checkpoint.
 #include "src/lab/compare/prior_law.hpp"
 
-#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/linalg/dot.hpp>
 #include <rlslab/linalg/product.hpp>
 #include <rlslab/variants/potter.hpp>

@@ -2,8 +2,6 @@
 // costs for the arithmetics and the prior of a comparison, in numbers and in a sentence.
 #include "src/lab/compare/prior_law.hpp"
 
-#include <rlslab/arithmetic/elementary.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -136,31 +134,6 @@ std::vector<Arithmetic const*> words_of(Comparison const& c) {
     return out;
 }
 
-}  // namespace
-
-PriorPoint PriorLaw::at(double c2) const {
-    size_t i = 1;
-    while (i + 1 < points.size() && points[i].c2 < c2) ++i;
-    PriorPoint const &a = points[i - 1], &b = points[i];
-    double const x = correctly::log10(c2), x0 = correctly::log10(a.c2), x1 = correctly::log10(b.c2);
-    auto const on_the_line = [&](double PriorPoint::*of) { return between(x, x0, x1, a.*of, b.*of); };
-    return {c2,
-            std::min(1.0, on_the_line(&PriorPoint::bias)),
-            on_the_line(&PriorPoint::stored),
-            on_the_line(&PriorPoint::products),
-            on_the_line(&PriorPoint::corrected),
-            on_the_line(&PriorPoint::steady)};
-}
-
-PriorPoint PriorLaw::best(PriorForm form, double u) const {
-    PriorPoint out = points.front();
-    for (double c2 = out.c2; u * c2 * trace <= 1; c2 *= 2)
-        if (PriorPoint const one = at(c2); one.total(form, u) < out.total(form, u)) out = one;
-    return out;
-}
-
-namespace {
-
 /// The records in these units, where there is a law for them.
 class Units {
     Mat P_;
@@ -206,6 +179,27 @@ public:
 };
 
 }  // namespace
+
+PriorPoint PriorLaw::at(double c2) const {
+    size_t i = 1;
+    while (i + 1 < points.size() && points[i].c2 < c2) ++i;
+    PriorPoint const &a = points[i - 1], &b = points[i];
+    double const x = correctly::log10(c2), x0 = correctly::log10(a.c2), x1 = correctly::log10(b.c2);
+    auto const on_the_line = [&](double PriorPoint::*of) { return between(x, x0, x1, a.*of, b.*of); };
+    return {c2,
+            std::min(1.0, on_the_line(&PriorPoint::bias)),
+            on_the_line(&PriorPoint::stored),
+            on_the_line(&PriorPoint::products),
+            on_the_line(&PriorPoint::corrected),
+            on_the_line(&PriorPoint::steady)};
+}
+
+PriorPoint PriorLaw::best(PriorForm form, double u) const {
+    PriorPoint out = points.front();
+    for (double c2 = out.c2; u * c2 * trace <= 1; c2 *= 2)
+        if (PriorPoint const one = at(c2); one.total(form, u) < out.total(form, u)) out = one;
+    return out;
+}
 
 PriorLaw prior_law(Records const& records, CertifiedSolution const& least_squares, Vector<double> const& units) {
     Units const in_units(records, least_squares, units);

@@ -1,5 +1,5 @@
-// The rules of recommend.hpp, over digits as they are printed.
-#include "src/lab/compare/recommend.hpp"
+// The rules of answer.hpp, over digits as they are printed.
+#include "src/lab/compare/answer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <tuple>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 constexpr double least_digits_of_P = 0.5, least_digits_of_data = 0.5;
@@ -48,28 +47,6 @@ std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
     return "";
 }
 
-}  // namespace
-
-bool takes_single_rows(Result const& r) { return r.entry->block == 1 && r.operations; }
-bool is_sound(Result const& r) { return r.broken == 0 && r.others.broken == 0 && r.spread; }
-
-double wanted_digits(CompareOptions const& options) { return options.digits.value_or(3); }
-
-Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
-    static constexpr char const* names[] = {"theta", "its worst component", "P"};
-    Loss out{.variant = std::string(r.entry->variant)};
-    for (size_t m = 0; m < 3; ++m) {
-        auto const median = [&](Result const& x) { return ((*x.spread).*PerMeasure<Spread>::all()[m]).median; };
-        double best = median(r);
-        for (Result const* other : sound) best = std::max(best, median(*other));
-        double const lost = best == median(r) ? 0 : best - median(r);  // also where both are infinite
-        if (m == 0 || lost > out.digits) out.digits = lost, out.of = names[m];
-    }
-    return out;
-}
-
-namespace {
-
 /// Whether a comes before b among forms that are equally accurate:
 ///   (1) a form that propagates a factor before one that propagates P or its inverse: no rounding makes the first
 ///     indefinite
@@ -108,22 +85,7 @@ bool is_near_the_best(Result const& r, std::vector<Result const*> const& sound, 
            tenths_of(loss_of(r, sound).digits) <= 10 * half_a_digit;
 }
 
-}  // namespace
-
-std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted, bool exact_sums) {
-    std::vector<Result const*> const all = sound;
-    std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
-    std::ranges::stable_sort(sound, {}, [&](Result const* r) {
-        return std::tuple(!(exact_sums && r->entry->variant == "information" && is_near_the_best(*r, all, wanted)),
-                          !is_usable(*r, wanted), too_far_behind(*r, all), tenths_of(loss_of(*r, all).digits));
-    });
-    return sound;
-}
-
-namespace {
-
-/// The cheapest form that propagates a factor and is within half a digit of the best, where it costs less than the one
-/// that is named.
+/// The cheapest form that propagates a factor and is within half a digit of the best, if it costs less than the named.
 std::string cheapest(std::vector<Result const*> const& ranking, double wanted) {
     Result const* out = ranking.front();
     for (Result const* r : ranking)
@@ -143,6 +105,34 @@ std::vector<Loss> losses(std::vector<Result const*> const& ranking, Arithmetic c
 }
 
 }  // namespace
+
+bool takes_single_rows(Result const& r) { return r.entry->block == 1 && r.operations; }
+bool is_sound(Result const& r) { return r.broken == 0 && r.others.broken == 0 && r.spread; }
+
+double wanted_digits(CompareOptions const& options) { return options.digits.value_or(3); }
+
+Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
+    static constexpr char const* names[] = {"theta", "its worst component", "P"};
+    Loss out{.variant = std::string(r.entry->variant)};
+    for (size_t m = 0; m < 3; ++m) {
+        auto const median = [&](Result const& x) { return ((*x.spread).*PerMeasure<Spread>::all()[m]).median; };
+        double best = median(r);
+        for (Result const* other : sound) best = std::max(best, median(*other));
+        double const lost = best == median(r) ? 0 : best - median(r);  // also where both are infinite
+        if (m == 0 || lost > out.digits) out.digits = lost, out.of = names[m];
+    }
+    return out;
+}
+
+std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted, bool exact_sums) {
+    std::vector<Result const*> const all = sound;
+    std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
+    std::ranges::stable_sort(sound, {}, [&](Result const* r) {
+        return std::tuple(!(exact_sums && r->entry->variant == "information" && is_near_the_best(*r, all, wanted)),
+                          !is_usable(*r, wanted), too_far_behind(*r, all), tenths_of(loss_of(*r, all).digits));
+    });
+    return sound;
+}
 
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
     double const wanted = wanted_digits(c.options);

@@ -1,7 +1,7 @@
 // A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the reference at
 // the checkpoints. Fast forms are compared by their predictions.
 #include "src/lab/compare/score.hpp"
-#include "src/lab/compare/recommend.hpp"
+#include "src/lab/compare/answer.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>

@@ -16,8 +16,7 @@ struct RowOrder {
                                            ///< problem has no exact solution
 };
 
-/// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with the exact solutions of that
-/// problem.
+/// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with that problem's exact solutions.
 struct RoundedProblem {
     Problem<double> problem;
     Records records;
@@ -99,15 +98,13 @@ Spread spread_of(std::vector<std::optional<double>> const& digits);
 struct Run {
     std::vector<Digits> digits;  ///< at each checkpoint; empty: the problem has no exact solution
     std::optional<Breakdown> breakdown = {};
-    std::optional<double> foretold = {};  ///< row, if it did not break down: Foretold
-    std::optional<double> asymmetry =
-        {};  ///< max |F_ij - F_ji| / max |F_ij| of what is stored at the end; 0 for factors
+    std::optional<double> foretold = {};   ///< row, if it did not break down: Foretold
+    std::optional<double> asymmetry = {};  ///< max |F_ij - F_ji| / max |F_ij| of what is stored last; 0 for factors
     bool factor;
     Vector<Reference> theta;  ///< after the last row
 };
 /// The filter takes the rows of the problem in this order (empty: the record's), `block` at a time. Breakdown is tested
-/// after each block. `digits_at(c)` compares the filter with the reference at checkpoint c, after the rows up to it. It
-/// may be empty.
+/// after each block. `digits_at(c)`, if any, compares it with the reference at checkpoint c, after the rows up to it.
 Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded,
         std::vector<Index> const& order, std::function<Digits(size_t)> const& digits_at);
 /// The runs of one entry: in the record's order, and in others.
@@ -132,13 +129,11 @@ Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::ui
 /// have few bits, so that whole numbers stay whole numbers of few bits.
 Records drawn(Records records, size_t draw);
 
-/// Draws are taken four at a time, until `settled`; at most 16, and at most as many as make 2^17 rows. One
-/// with a composition.
+/// Draws are taken four at a time, until `settled`; at most 16, and as many as make 2^17 rows. One with a composition.
 inline constexpr size_t draws_at_a_time = 4;
 size_t most_draws(Index rows, CompareOptions const& options = {});
 
-/// Whether a further draw could change what is named: a form for single rows that never broke down, whose loss is at
-/// most two digits.
+/// Whether a draw could change what is named: a form for single rows that never broke down, losing two digits at most.
 bool is_contender(Result const& result, std::vector<Result const*> const& sound);
 
 /// Whether the draws tell enough. `runs` are those of `results`, entry by entry, of one arithmetic; `before` is what

@@ -1,6 +1,5 @@
 // A comparison as text for people: the answer, then what it rests on.
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/words.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 
@@ -11,7 +10,6 @@
 #include <fmt/format.h>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 /// Six digits of a decimal number. Where binary64 does not reach, the power of ten is kept as text.

@@ -1,4 +1,4 @@
-// Sentences and numbers that the text and the page of a comparison have in common; a composition as C++.
+// Sentences and numbers that the text and the page of a comparison have in common.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
@@ -14,9 +14,6 @@ inline constexpr size_t text_width = 114;
 
 /// If the mean of y is more standard deviations than this, and no regressor is constant, a warning says so.
 inline constexpr double most_offset = 2;
-
-/// "first, second, third" in lines of that width; it begins at column `at`, further lines with `indent`.
-std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at);
 
 /// Digits to a tenth, below -9.9 to one; "-" where there are none.
 std::string tenths(double digits);
@@ -65,11 +62,5 @@ std::string against_text(Comparison const& comparison);
 
 /// What happened to one of the filters: "factored anew 3 times, 2 outliers"; "".
 std::string counts_text(Comparison const& comparison, Result const& result);
-
-/// The headers of <rlslab/adapt/...> that the composition needs, a line each.
-std::string composition_includes(Composition const& composition);
-/// The definition of `filter` around the type, which stands as text, of problem, which is defined above it.
-std::string composition_code(Composition const& composition, std::string const& type, std::string const& variant,
-                             std::string const& scalar, Index size);
 
 }  // namespace rlslab::compare

@@ -1,5 +1,4 @@
 // Other values for factors; the study in words.
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 #include <rlslab/studies/factors.hpp>
@@ -18,6 +17,7 @@
 #include <csignal>
 
 namespace rlslab::studies {
+using namespace report;
 namespace {
 
 constexpr std::string_view replicates = "replicate";
@@ -93,16 +93,16 @@ double number_of(std::string const& study, std::string const& factor, std::strin
         (!positive || value > 0) && (!at_least_0 || value >= 0) && (!at_most_1 || value <= 1) &&
         (!below_1 || value < 1))
         return value;
-    throw InputError(fmt::format("--set {}: study {} has {} there: expected {}{}{}, found \"{}\"", factor, study,
-                                 range_of(own), whole ? fmt::format("whole numbers from {} to 1e9", least) : "numbers",
-                                 whole        ? ""
-                                 : positive   ? " above 0"
-                                 : at_least_0 ? " of at least 0"
-                                              : "",
-                                 below_1     ? ", below 1"
-                                 : at_most_1 ? ", at most 1"
-                                             : "",
-                                 printable(text)));
+    refuse("--set {}: study {} has {} there: expected {}{}{}, found \"{}\"", factor, study, range_of(own),
+           whole ? fmt::format("whole numbers from {} to 1e9", least) : "numbers",
+           whole        ? ""
+           : positive   ? " above 0"
+           : at_least_0 ? " of at least 0"
+                        : "",
+           below_1     ? ", below 1"
+           : at_most_1 ? ", at most 1"
+                       : "",
+           printable(text));
 }
 
 Cell value_of(Study const& study, std::string const& factor, std::string const& text, RunOptions const& options) {
@@ -122,27 +122,20 @@ Cell value_of(Study const& study, std::string const& factor, std::string const& 
     return text;
 }
 
-}  // namespace
-
-namespace {
-
 /// Throws InputError for a column that would be there twice, and for a factor without values or with one twice.
 void expect_a_table(Study const& study, std::vector<Factor> const& factors) {
-    auto const refuse = [&](std::string const& what) {
-        throw InputError(fmt::format("study {}: {}", study.name, what));
-    };
     std::vector<std::string> columns;
     for (Factor const& factor : factors) {
         columns.push_back(factor.name);
-        if (factor.values.empty()) refuse(fmt::format("factor \"{}\" has no values", printable(factor.name)));
+        if (factor.values.empty()) refuse("study {}: factor \"{}\" has no values", study.name, printable(factor.name));
         for (auto value = factor.values.begin(); value != factor.values.end(); ++value)
             if (std::find(factor.values.begin(), value, *value) != value)
-                refuse(fmt::format("factor \"{}\" has {} twice", printable(factor.name), as_text(*value)));
+                refuse("study {}: factor \"{}\" has {} twice", study.name, printable(factor.name), as_text(*value));
     }
     columns.insert(columns.end(), study.measures.begin(), study.measures.end());
     for (auto column = columns.begin(); column != columns.end(); ++column)
         if (std::find(columns.begin(), column, *column) != column)
-            refuse(fmt::format("two factors or measures have the name \"{}\"", printable(*column)));
+            refuse("study {}: two factors or measures have the name \"{}\"", study.name, printable(*column));
 }
 
 }  // namespace
@@ -156,7 +149,7 @@ FactorValues factor_values_from(std::string const& text, std::string_view option
         from = to + 1;
     }
     if (out.name.empty() || out.values.empty() || std::ranges::find(out.values, "") != out.values.end())
-        throw InputError(fmt::format("{}: expected FACTOR=VALUE[,VALUE], found \"{}\"", option, printable(text)));
+        refuse("{}: expected FACTOR=VALUE[,VALUE], found \"{}\"", option, printable(text));
     return out;
 }
 
@@ -168,24 +161,23 @@ std::vector<Factor> factors_of(Study const& study, RunOptions const& options) {
     for (auto const& [name, values] : options.set) {
         auto const found = std::ranges::find(out, name, &Factor::name);
         if (found == out.end())
-            throw InputError(fmt::format("--set: study {} has no factor \"{}\"; its factors are {}", study.name,
-                                         printable(name), fmt::join(names, ", ")));
+            refuse("--set: study {} has no factor \"{}\"; its factors are {}", study.name, printable(name),
+                   fmt::join(names, ", "));
         found->values.clear();
         for (std::string const& text : values) {
             Cell const value = value_of(study, name, text, options);
             if (std::ranges::find(found->values, value) != found->values.end())
-                throw InputError(fmt::format("--set {}: {} is there twice", name, as_text(value)));
+                refuse("--set {}: {} is there twice", name, as_text(value));
             found->values.push_back(value);
         }
     }
     if (options.seeds > 0) {
         if (std::ranges::find(options.set, replicates, &FactorValues::name) != options.set.end())
-            throw InputError(fmt::format("--seeds: expected no --set {} beside it", replicates));
+            refuse("--seeds: expected no --set {} beside it", replicates);
         auto const found = std::ranges::find(out, replicates, &Factor::name);
         if (found == out.end())
-            throw InputError(
-                fmt::format("--seeds: study {} has no factor \"{}\": its data are fixed; its factors are {}",
-                            study.name, replicates, fmt::join(names, ", ")));
+            refuse("--seeds: study {} has no factor \"{}\": its data are fixed; its factors are {}", study.name,
+                   replicates, fmt::join(names, ", "));
         found->values = counted(options.seeds);
     }
     return out;

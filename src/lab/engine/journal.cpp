@@ -1,7 +1,7 @@
 // A line for each finished trial, with a checksum; an incomplete last line is removed.
 #include <rlslab/studies/journal.hpp>
 
-#include <rlslab/core/input_error.hpp>
+#include "src/lab/report/messages.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -13,10 +13,11 @@
 #include <utility>
 
 namespace rlslab::studies {
+using report::refuse;
 namespace {
 
 [[noreturn]] void cannot_write(std::filesystem::path const& path, int why = errno) {
-    throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), std::strerror(why)));
+    refuse("{}: cannot write: {}", printable(path.string(), 200), std::strerror(why));
 }
 
 constexpr char between = '"';  // the lines of a trial: they are CSV in which no cell needs quotes
@@ -98,7 +99,7 @@ FolderLock::FolderLock(std::filesystem::path const& folder, Part part)
         own_ = locked(folder / (".lock." + name_of(part)), LOCK_EX);
         if (own_ < 0) ::close(std::exchange(file_, -1));
     }
-    if (file_ < 0) throw InputError(fmt::format("{}: another run is writing there", printable(folder.string(), 200)));
+    if (file_ < 0) refuse("{}: another run is writing there", printable(folder.string(), 200));
 }
 FolderLock::~FolderLock() {
     ::close(file_);
@@ -144,9 +145,8 @@ std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::file
             if (study_of(path) != name) continue;
             Trials finished;
             if (read_file(path, finished) != head_of(key))
-                throw InputError(
-                    fmt::format("{}: expected trials of this program, of the budget and the seed that the parts have",
-                                printable(path.string(), 200)));
+                refuse("{}: expected trials of this program, of the budget and the seed that the parts have",
+                       printable(path.string(), 200));
             out.merge(std::move(finished));
         }
     return out;

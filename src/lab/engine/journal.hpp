@@ -26,9 +26,8 @@ struct Part {
 /// "2-of-8", as in the names of files
 std::string name_of(Part part);
 
-/// The lines of CSV of each finished trial of one study, by the trial's number. The file is FOLDER/NAME, or
-/// FOLDER/NAME.2-of-8 for a part. A file with another key is ignored: the program, the study, its budget or the seed
-/// has changed.
+/// The lines of CSV of each finished trial of one study, by the trial's number. The file is FOLDER/NAME, of a part
+/// FOLDER/NAME.2-of-8. One with another key is ignored: the program, the study, its budget or the seed has changed.
 class Journal {
     std::filesystem::path path_;
     std::ofstream file_;
@@ -42,8 +41,7 @@ public:
     Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
     std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
-    /// Appends one line. If the process is killed meanwhile, the line is complete or its checksum is wrong. Throws
-    /// InputError.
+    /// Appends a line. If the process is killed meanwhile, it is complete or its checksum is wrong. Throws InputError.
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 

@@ -3,7 +3,6 @@
 
 #include <rlslab/studies/factors.hpp>
 
-#include <rlslab/core/input_error.hpp>
 
 #include <fmt/format.h>
 #include <fstream>
@@ -49,19 +48,6 @@ std::string command_of(std::string const& names, RunOptions const& options) {
     return fmt::format("{} study {} --budget {} --seed {}{}{}", shell_text({options.program}), names,
                        name_of(options.budget), options.seed, changes.empty() ? "" : " ", changes);
 }
-
-}  // namespace
-
-Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
-    if (options.run) return *options.run;
-    std::vector<std::string> words;
-    for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
-    return {.command = command_of(words.size() == studies().size() ? "--all" : shell_text(words), options)};
-}
-
-std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
-
-namespace {
 
 /// The program as it is: results of another one are not to be mixed with its own.
 std::uint64_t identity() {
@@ -133,22 +119,6 @@ std::vector<std::vector<Cell>> combinations(std::vector<Factor> const& factors) 
     }
     return out;
 }
-
-}  // namespace
-
-std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& factors, RunOptions const& options) {
-    std::vector<Trial> out;
-    for (auto& values : combinations(factors)) {
-        Trial const trial(study.name, factors, std::move(values), options.seed, *options.entries, options.budget);
-        if (!study.admits || study.admits(trial)) out.push_back(trial);
-    }
-    if (out.empty() && options.changed())
-        throw InputError(
-            fmt::format("--set: study {} admits none of these combinations: {}", study.name, changes_of(options)));
-    return out;
-}
-
-namespace {
 
 /// The trials; returns the journal's key.
 std::string prepare(Running& run, RunOptions const& options) {
@@ -266,6 +236,26 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
 
 }  // namespace
 
+Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    if (options.run) return *options.run;
+    std::vector<std::string> words;
+    for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
+    return {.command = command_of(words.size() == studies().size() ? "--all" : shell_text(words), options)};
+}
+
+std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
+
+std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& factors, RunOptions const& options) {
+    std::vector<Trial> out;
+    for (auto& values : combinations(factors)) {
+        Trial const trial(study.name, factors, std::move(values), options.seed, *options.entries, options.budget);
+        if (!study.admits || study.admits(trial)) out.push_back(trial);
+    }
+    if (out.empty() && options.changed())
+        refuse("--set: study {} admits none of these combinations: {}", study.name, changes_of(options));
+    return out;
+}
+
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options,
                                  Progress const& progress) {
     std::vector<Running> running = started(chosen, options, {});
@@ -308,8 +298,7 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
         missing += run.trials.size() - found;
         if (first.empty() && found < run.trials.size()) first = study->name;
     }
-    if (missing > 0)
-        throw InputError(fmt::format("merge: {} of {} trials are missing, the first of {}", missing, trials, first));
+    if (missing > 0) refuse("merge: {} of {} trials are missing, the first of {}", missing, trials, first);
     create_folder(options.out / ".trials");
     if (!lock) lock.emplace(options.out);
     for (Merged const& merged : all) write_journal(options.out / ".trials", merged.name, merged.key, merged.finished);

@@ -1,9 +1,8 @@
-// Runs studies: trials on all cores. The results do not depend on the number of cores. A run that is killed can be
-// continued.
+// Runs studies: trials on all cores, whose number no result depends on. A run that is killed can be continued.
 #pragma once
 
 #include <rlslab/catalogue/catalogue.hpp>
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "src/lab/report/provenance.hpp"
 #include <rlslab/studies/journal.hpp>
 #include <rlslab/studies/study.hpp>

@@ -22,8 +22,7 @@ std::vector<Cell> triangular_forms();
 std::vector<Cell> corrected_forms();
 /// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
-/// The variants whose update of P uses a gain that a study can perturb: K in the first six, v or a running gain in the
-/// others.
+/// Variants whose update of P uses a gain that a study can perturb: K in the first six, v or a running gain in others.
 std::vector<Cell> gain_forms();
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
@@ -42,8 +41,7 @@ std::vector<Cell> counted(int n);
 
 /// Regressors of independent numbers of variance 1.
 Records white(Index size, Index rows, Seed seed, double noise = 1e-3);
-/// A tapped delay line of x_k = pole x_{k-1} + w_k, w of variance 1 - pole^2, so that x has variance 1; past its
-/// transient.
+/// A tapped delay line of x_k = pole x_{k-1} + w_k past its transient, w of variance 1 - pole^2: x has variance 1.
 Records delay_line(Index size, Index rows, double pole, Seed seed, double noise = 1e-3);
 /// rows x size with singular values kappa^(-i/(size-1)) and random orthonormal factors: kappa_2 = kappa, but for the
 /// rounding to double.
@@ -51,8 +49,7 @@ Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1
 
 // --- answers ---------------------------------------------------------------------------------------------------------
 
-/// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a
-/// NaN.
+/// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has one, or a NaN.
 struct Errors {
     double theta, covariance;
 };

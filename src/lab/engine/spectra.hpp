@@ -17,12 +17,10 @@ Records answered(Matrix<double> psi, Vector<double> const& theta, Seed seed, dou
 /// n orthonormal columns of `size` numbers, n <= size, from noise by modified Gram-Schmidt, twice; sums in order.
 Matrix<double> orthonormal(Index size, Index n, Seed& seed);
 
-/// The d singular values of condition kappa, largest first and 1: "geometric", or all equal but "one small" or "one
-/// large".
+/// d singular values of condition kappa, largest first and 1: "geometric", or equal but "one small" or "one large".
 std::vector<double> singular_values(std::string_view shape, Index size, double kappa);
 
-/// N rows whose matrix has these d singular values, d <= N, and random orthonormal factors; exact but for the rounding
-/// to double.
+/// N rows whose matrix has these d singular values, d <= N, and random orthonormal factors; exact but for rounding.
 Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise);
 
 /// psi = V diag(sigma) U' (d x N) with U' of orthonormal rows and V orthogonal, both drawn; V = I unless rotated: then

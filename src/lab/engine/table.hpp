@@ -9,8 +9,7 @@
 
 namespace rlslab::studies {
 
-/// A number or a word. A number is written with the fewest digits that read back to the same bits, or as "nan", "inf",
-/// "-inf".
+/// A number or a word. A number is written in the fewest digits that read back to its bits, or as "nan", "inf", "-inf".
 using Cell = std::variant<double, std::string>;
 std::string as_text(Cell const& cell);
 
@@ -33,8 +32,7 @@ public:
     /// Adds a line of CSV without quotes. A cell that can be read as a number becomes one.
     void add_line(std::string_view line);
 
-    /// The rows whose cell in this column is the value, is a number for which `holds` is true, or is one of these
-    /// words.
+    /// The rows whose cell in this column is the value, a number for which `holds` is true, or one of these words.
     Table where(std::string_view column, Cell const& value) const;
     Table where(std::string_view column, std::function<bool(double)> const& holds) const;
     Table where(std::string_view column, std::vector<std::string> const& words) const;
@@ -45,8 +43,7 @@ public:
     /// The number in this column of a table with one row. Throws std::logic_error for more rows or none.
     double number(std::string_view column) const;
 
-    /// The rows grouped by their cells in these columns, in order of appearance. A group's name is "joseph, lambda
-    /// 0.98".
+    /// Rows grouped by their cells in these columns, in order of appearance. A group's name is "joseph, lambda 0.98".
     std::vector<std::pair<std::string, Table>> groups(std::vector<std::string> const& by) const;
 };
 

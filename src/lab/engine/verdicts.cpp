@@ -1,14 +1,14 @@
-// Verdicts: said, counted, recorded.
+// Verdicts: said, counted, recorded, and as LaTeX.
 #include <rlslab/studies/verdicts.hpp>
 
-#include <rlslab/core/input_error.hpp>
+#include "src/lab/report/json.hpp"
 #include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <numeric>
+#include <sstream>
 
 namespace rlslab::studies {
 using namespace report;
@@ -36,8 +36,7 @@ void for_each_claim(std::span<Outcome const> outcomes, F f) {
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
             f(*outcome.study, outcome.study->claims[i], outcome.judgements[i]);
 }
-using Json = nlohmann::ordered_json;
-Json json_of(Count const& c) { return {{"hold", c.holds}, {"fail", c.fails}, {"undecided", c.undecided}}; }
+Json json_of(Count const& c) { return object("hold fail undecided", {c.holds, c.fails, c.undecided}); }
 
 }  // namespace
 
@@ -113,24 +112,18 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
         Json claims = Json::array();
         for (size_t i = 0; i < outcome.judgements.size(); ++i) {
             Claim const& claim = outcome.study->claims[i];
-            claims.push_back({{"claim", claim.text},
-                              {"kind", name_of(claim.basis.kind)},
-                              {"band", claim.basis.band},
-                              {"data", data_of(*outcome.study, claim)},
-                              {"proof", claim.basis.proof},
-                              {"verdict", name_of(outcome.judgements[i].verdict)},
-                              {"measured", outcome.judgements[i].measured}});
+            claims.push_back(
+                object("claim kind band data proof verdict measured",
+                       {claim.text, name_of(claim.basis.kind), claim.basis.band, data_of(*outcome.study, claim),
+                        claim.basis.proof, name_of(outcome.judgements[i].verdict), outcome.judgements[i].measured}));
         }
         for (size_t i = 0; i < outcome.numbers.size(); ++i)
-            claims.push_back({{"claim", outcome.study->claims[i].text},
-                              {"kind", name_of(outcome.study->claims[i].basis.kind)},
-                              {"verdict", "not judged: factors changed"},
-                              {"measured", outcome.numbers[i]}});
-        out["studies"].push_back({{"name", outcome.study->name},
-                                  {"question", outcome.study->question},
-                                  {"source", outcome.study->source},
-                                  {"holds", outcome.changed.empty() ? Json(outcome.holds()) : Json(nullptr)},
-                                  {"claims", claims}});
+            claims.push_back(object("claim kind verdict measured",
+                                    {outcome.study->claims[i].text, name_of(outcome.study->claims[i].basis.kind),
+                                     "not judged: factors changed", outcome.numbers[i]}));
+        out["studies"].push_back(object("name question source holds claims",
+                                        {outcome.study->name, outcome.study->question, outcome.study->source,
+                                         outcome.changed.empty() ? Json(outcome.holds()) : Json(), claims}));
         if (!outcome.changed.empty()) out["studies"].back()["changed"] = outcome.changed;
     }
     out["run"] = Json::parse(as_json(run_of(outcomes, options)));
@@ -168,12 +161,10 @@ Record record_from(std::string const& json) {
                 if (said == "holds") at = Verdict::holds;
                 else if (said == "fails") at = Verdict::fails;
                 else if (said == "undecided") at = Verdict::undecided;
-                else
-                    throw InputError(fmt::format(
-                        "a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said)));
+                else refuse("a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said));
             }
     } catch (nlohmann::json::exception const&) {
-        throw InputError("a record of verdicts: expected verdicts.json of a run");
+        refuse("a record of verdicts: expected verdicts.json of a run");
     }
     return out;
 }
@@ -234,6 +225,101 @@ std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcom
             out.push_back(fmt::format("{}: {}: {}", study.name, claim.text, f.measured));
     });
     return out;
+}
+
+// --- in LaTeX, as a paper quotes them --------------------------------------------------------------------------------
+
+namespace {
+
+/// Signs, each with its LaTeX behind it.
+std::vector<std::pair<std::string, std::string>> const& signs() {
+    static auto const list = [] {
+        std::vector<std::pair<std::string, std::string>> out;
+        std::istringstream left(R"(
+        & \&  % \%  $ \$  # \#  _ \_\allowbreak{}  { \{  } \}  ~ \textasciitilde{}  ^ \textasciicircum{}
+        \ \textbackslash{}  < $<$  > $>$  | $|$  " ''  ± $\pm$  × $\times$  · $\cdot$  √ $\surd$  ² $^2$  ³ $^3$
+        ≤ $\le$  ≥ $\ge$  ≈ $\approx$  − $-$  – --  … \ldots{}  ∞ $\infty$  Δ $\Delta$  α $\alpha$  β $\beta$
+        γ $\gamma$  δ $\delta$  ε $\varepsilon$  η $\eta$  θ $\theta$  κ $\kappa$  λ $\lambda$  σ $\sigma$
+        φ $\varphi$  ψ $\psi$)");
+        for (std::string sign, set; left >> sign >> set;) out.emplace_back(sign, set);
+        return out;
+    }();
+    return list;
+}
+
+std::string head(RunOptions const& options) {
+    return fmt::format("% rlslab {}, {} budget, seed {}\n", revision, name_of(options.budget), options.seed);
+}
+
+}  // namespace
+
+std::string latex(std::string_view text) {
+    std::string out;
+    while (!text.empty()) {
+        bool found = false;
+        for (auto const& [sign, set] : signs())
+            if (text.starts_with(sign)) {
+                out += set;
+                text.remove_prefix(sign.size());
+                found = true;
+                break;
+            }
+        if (found) continue;
+        out += text.front();
+        text.remove_prefix(1);
+    }
+    return out;
+}
+
+std::string table_tex(Outcome const& outcome, RunOptions const& options) {
+    std::string out = head(options) + "% needs \\usepackage{booktabs,longtable}\n";
+    out += "\\begin{longtable}{p{0.45\\linewidth}p{0.37\\linewidth}l}\n";
+    out += fmt::format("\\caption{{\\texttt{{{}}}: {}}}\\\\\n", latex(outcome.study->name),
+                       latex(outcome.study->question));
+    out += "\\toprule\nclaim & measured & verdict\\\\\n\\midrule\\endhead\n";
+    for (size_t i = 0; i < outcome.judgements.size(); ++i) {
+        Claim const& claim = outcome.study->claims[i];
+        out += fmt::format("{} (\\emph{{{}}}) & {} & {}\\\\\n", latex(claim.text), name_of(claim.basis.kind),
+                           latex(outcome.judgements[i].measured), name_of(outcome.judgements[i].verdict));
+    }
+    for (size_t i = 0; i < outcome.numbers.size(); ++i)
+        out +=
+            fmt::format("{} & {} & not judged\\\\\n", latex(outcome.study->claims[i].text), latex(outcome.numbers[i]));
+    return out + "\\bottomrule\n\\end{longtable}\n";
+}
+
+std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    std::string out = head(options);
+    out +=
+        "\\makeatletter\n"
+        "\\newcommand{\\measured}[3]{\\@ifundefined{rls@#1@#2}"
+        "{\\textbf{??}\\typeout{missing: #1, claim #2}}{\\csname rls@#1@#2\\endcsname}}\n"
+        "\\newcommand{\\verdict}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@v@#1@#2\\endcsname}}\n"
+        "\\newcommand{\\claimed}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@c@#1@#2\\endcsname}}\n"
+        "\\newcommand{\\runcount}[2]{\\csname rls@count@#1@#2\\endcsname}\n";
+    out += fmt::format(
+        "\\newcommand{{\\runbudget}}{{{}}}\n\\newcommand{{\\runseed}}{{{}}}\n\\newcommand{{\\runrevision}}{{{}}}\n",
+        name_of(options.budget), options.seed, latex(revision));
+    out += fmt::format("\\newcommand{{\\runstudies}}{{{}}}\n", outcomes.size());
+    auto const counts = counted(outcomes);
+    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
+        Count const& c = counts[size_t(kind)];
+        auto const define = [&](char const* what, size_t n) {
+            out += fmt::format("\\expandafter\\def\\csname rls@count@{}@{}\\endcsname{{{}}}\n", name_of(kind), what, n);
+        };
+        define("hold", c.holds);
+        define("fail", c.fails);
+        define("undecided", c.undecided);
+    }
+    for (Outcome const& outcome : outcomes)
+        for (size_t i = 0; i < outcome.judgements.size(); ++i)
+            out += fmt::format(
+                "\\expandafter\\def\\csname rls@{0}@{1}\\endcsname{{{2}}}\n"
+                "\\expandafter\\def\\csname rls@v@{0}@{1}\\endcsname{{{3}}}\n"
+                "\\expandafter\\def\\csname rls@c@{0}@{1}\\endcsname{{{4}}}\n",
+                outcome.study->name, i + 1, latex(outcome.judgements[i].measured),
+                name_of(outcome.judgements[i].verdict), latex(outcome.study->claims[i].text));
+    return out + "\\makeatother\n";
 }
 
 }  // namespace rlslab::studies

@@ -1,4 +1,4 @@
-// The verdicts on claims: as lines, as JSON, counted, and compared with the record in the tree.
+// The verdicts on claims: as lines, as JSON, as LaTeX, counted, and compared with the record in the tree.
 #pragma once
 
 #include <rlslab/studies/run.hpp>
@@ -33,11 +33,9 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes);
 
 /// Verdicts by study and by claim.
 using Record = std::map<std::string, std::map<std::string, Verdict>>;
-/// The verdicts of seed 1 in studies/verdicts.json or studies/verdicts-full.json, as they were when the program was
-/// built.
+/// The verdicts of seed 1 in studies/verdicts.json or studies/verdicts-full.json when the program was built.
 Record const& recorded(Budget budget);
-/// The text of the record: the claims of each study in their order. Studies that were not run keep their claims in
-/// `old`.
+/// The text of the record: the claims of each study in their order; of one that was not run those in `old`.
 std::string record_json(std::vector<Outcome> const& outcomes, Record const& old);
 /// Throws InputError for a text that is no record.
 Record record_from(std::string const& json);
@@ -48,5 +46,19 @@ std::vector<std::string> changes(std::vector<Outcome> const& outcomes, Record co
 std::vector<std::string> unrecorded(std::vector<Outcome> const& outcomes, Record const& record);
 /// Verifications that fail, as "STUDY: claim".
 std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcomes);
+
+// --- LaTeX for papers: a table of claims for each study, and a macro for each measurement ----------------------------
+
+/// Text for LaTeX: its special characters escaped, Greek letters and signs as mathematics; others stay as they are.
+std::string latex(std::string_view text);
+
+/// A longtable (booktabs) of the study's claims: kind, claim, measurement, verdict.
+std::string table_tex(Outcome const& outcome, RunOptions const& options);
+
+/// \input{numbers}: \measured{STUDY}{N}{WORDS} is the measurement for the study's claim N (from 1),
+/// \claimed{STUDY}{N}{WORDS} its text, \verdict{STUDY}{N}{WORDS} its verdict. WORDS are the first words of the claim,
+/// for people and for a test; they are not typeset. \runcount{KIND}{hold|fail|undecided}, \runbudget, \runseed,
+/// \runrevision and \runstudies describe the run.
+std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& options);
 
 }  // namespace rlslab::studies

@@ -1,8 +1,7 @@
 // The header of C.
 #include "src/lab/export/export.hpp"
-#include "src/lab/export/fuse.hpp"
-#include "src/lab/export/lower.hpp"
 #include "src/lab/export/recording.hpp"
+#include "src/lab/export/roll.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -403,7 +402,7 @@ static inline bool {p}_load({p} *f, const uint8_t bytes[{P}_STATE_BYTES]) {{
     for (i = 0u; i < 4u; ++i) {{
         valid = valid && (bytes[({P}_STATE_BYTES - 4u) + i] == (uint8_t)((sum >> (8u * i)) & 0xffu));
     }}
-{check}    if (valid) {{
+    if (valid) {{
 {get}    }}
     return valid;
 }}
@@ -415,7 +414,7 @@ static inline bool {p}_load({p} *f, const uint8_t bytes[{P}_STATE_BYTES]) {{
 )c",
         fmt::arg("p", p), fmt::arg("P", P), fmt::arg("size", state_bytes), fmt::arg("head_size", r.head.size()),
         fmt::arg("head", bytes_text(r.head)), fmt::arg("number", number), fmt::arg("word", word),
-        fmt::arg("each", each), fmt::arg("put", put), fmt::arg("get", get), fmt::arg("check", ""),
+        fmt::arg("each", each), fmt::arg("put", put), fmt::arg("get", get),
         fmt::arg("truths", !truths ? ""
                                    : fmt::format(R"c(static inline void {0}_put_truth(uint8_t *to, bool x) {{
     *to = x ? 1u : 0u;

@@ -1,7 +1,6 @@
 // A filter as one header of C99, made from its variant's page.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

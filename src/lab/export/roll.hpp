@@ -1,21 +1,16 @@
-// Loops: runs of statements that are the same but for places that go on by equal steps.
+// Loops: runs of statements that are the same but for places that go on by equal steps. Loops of equal count become one
+// where no statement sees another order of what it depends on; a number stored for one pass alone becomes a variable.
 #pragma once
 
-#include "src/lab/export/program.hpp"
-
-#include <algorithm>
-#include <bit>
-#include <optional>
+#include "src/lab/export/lower.hpp"
 
 namespace rlslab::exporting {
-
-/// Without loops.
-inline std::vector<Item> expanded(std::vector<Item> const& items);
-/// Equal but for nothing: constants by their bits.
-inline bool same(std::vector<Item> const& a, std::vector<Item> const& b);
 namespace detail {
 
 using Items = std::vector<Item>;
+
+/// Without loops.
+inline Items expanded(Items const& items);
 
 /// visit(affine) for every index and count, in order.
 template <class E, class Visit>
@@ -71,6 +66,18 @@ inline std::vector<int> bases_of(Item const& item) {
     return out;
 }
 
+/// Equal but for nothing: constants by their bits.
+inline bool same(Items const& a, Items const& b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::string x, y;
+        shape_of(a[i], x);
+        shape_of(b[i], y);
+        if (x != y || bases_of(a[i]) != bases_of(b[i])) return false;
+    }
+    return true;
+}
+
 /// The item in pass k of the outermost loop around it, whose stride is the last.
 inline Item in_pass(Item item, int k) {
     auto const enter = [k](Affine& index) {
@@ -108,7 +115,6 @@ inline Item loop_of(std::vector<Looked> const& items, std::size_t first, std::si
     }
     return out;
 }
-inline Items flat(Items const& items) { return expanded(items); }
 inline Items flat(std::vector<Looked> const& items, std::size_t first, std::size_t last) {
     Items out;
     for (std::size_t i = first; i < last; ++i) out.push_back(items[i].item);
@@ -118,7 +124,19 @@ inline Items flat(std::vector<Looked> const& items, std::size_t first, std::size
 inline Items pass(Item const& loop, int k) {
     Items out;
     for (Item const& x : loop.body) out.push_back(in_pass(x, k));
-    return flat(out);
+    return expanded(out);
+}
+inline Items expanded(Items const& items) {
+    Items out;
+    for (Item const& item : items) {
+        if (!item.loops) {
+            out.push_back(item);
+            continue;
+        }
+        for (int k = 0; k < item.count.base; ++k)
+            for (Item& x : pass(item, k)) out.push_back(std::move(x));
+    }
+    return out;
 }
 
 /// How many of `items` from `first` on (or, backwards, before it) are together `wanted`; 0: none.
@@ -179,33 +197,135 @@ inline bool roll_once(std::vector<Looked>& items, std::size_t period) {
     return false;
 }
 
-}  // namespace detail
+// --- loops of equal count become one --------------------------------------------------------------------------------
 
-inline std::vector<Item> expanded(std::vector<Item> const& items) {
-    using namespace detail;
-    Items out;
-    for (Item const& item : items) {
-        if (!item.loops) {
-            out.push_back(item);
-            continue;
+/// What statements read and write. `own`: variables that each pass sets before it reads them.
+struct Touched {
+    std::set<std::pair<int, int>> read, written;
+    std::set<int> own;
+
+    explicit Touched(Items const& statements) {
+        for (Item const& item : expanded(statements)) {
+            loads(item.value, [&](Ref const& r) {
+                std::pair const place{r.array, r.index.base};
+                if (!own.contains(r.array)) read.insert(place);
+            });
+            std::pair const place{item.target.array, item.target.index.base};
+            written.insert(place);
+            if (!read.contains(place)) own.insert(place.first);
         }
-        for (int k = 0; k < item.count.base; ++k)
-            for (Item& x : pass(item, k)) out.push_back(std::move(x));
+    }
+    /// Whether the two may not change places. `variables`: those from this one on may be each one's own.
+    bool disturbs(Touched const& other, int variables) const {
+        auto const meet = [&](auto const& a, auto const& b) {
+            return std::ranges::any_of(a, [&](auto const& place) {
+                bool const apart =
+                    place.first >= variables && own.contains(place.first) && other.own.contains(place.first);
+                return !apart && b.contains(place);
+            });
+        };
+        return meet(written, other.read) || meet(written, other.written) || meet(read, other.written);
+    }
+};
+
+inline bool fuse_once(Items& items, int variables) {
+    for (std::size_t q = 1; q < items.size(); ++q) {
+        if (!items[q].loops) continue;
+        constexpr int none = std::numeric_limits<int>::max();
+        std::vector<std::size_t> begins;  // constants that the loop begins with: they move with it
+        auto const begun = [&] {
+            Items out;
+            for (std::size_t const b : begins) out.push_back(items[b]);
+            return out;
+        };
+        for (std::size_t p = q; p-- > 0;) {
+            if (items[p].loops && items[p].count == items[q].count) {
+                int const n = items[q].count.base;
+                std::vector<Touched> first, second;
+                for (int k = 0; k < n; ++k) {
+                    first.emplace_back(pass(items[p], k));
+                    second.emplace_back(pass(items[q], k));
+                }
+                bool free = !Touched(begun()).disturbs(Touched({items[p]}), none);
+                for (int k = 0; k < n && free; ++k)
+                    for (int later = k + 1; later < n && free; ++later)
+                        free = !second[std::size_t(k)].disturbs(first[std::size_t(later)], variables);
+                if (free) {
+                    for (Item& x : items[q].body) items[p].body.push_back(std::move(x));
+                    items.erase(items.begin() + long(q));
+                    Items const moved = begun();
+                    for (std::size_t const b : begins) items.erase(items.begin() + long(b));
+                    items.insert(items.begin() + long(p), moved.rbegin(), moved.rend());
+                    return true;
+                }
+            }
+            // A variable that is set before the loop and read behind it stays there: nothing is apart here.
+            Items all = begun();
+            all.push_back(items[q]);
+            if (!Touched(all).disturbs(Touched({items[p]}), none)) continue;
+            if (items[p].loops || items[p].value.op != Op::constant) break;
+            begins.push_back(p);
+        }
+    }
+    return false;
+}
+
+inline bool reads_array(Item const& item, int array) {
+    if (item.loops) return std::ranges::any_of(item.body, [&](Item const& x) { return reads_array(x, array); });
+    bool out = false;
+    loads(item.value, [&](Ref const& r) { out = out || r.array == array; });
+    return out;
+}
+inline void replace(Expression& e, Ref const& from, Ref const& to) {
+    if (e.op == Op::load && e.ref == from) e.ref = to;
+    for (Expression& x : e.arguments) replace(x, from, to);
+}
+/// Whether every use of its array in these statements is of this number of it.
+inline bool alone(Items const& body, Ref const& ref) {
+    bool out = true;
+    for (Item const& item : body) {
+        if (item.loops) {
+            for (Item const& x : item.body) out = out && !reads_array(x, ref.array) && x.target.array != ref.array;
+        } else {
+            out = out && (item.target.array != ref.array || item.target == ref);
+            loads(item.value, [&](Ref const& r) { out = out && (r.array != ref.array || r == ref); });
+        }
     }
     return out;
 }
 
-inline bool same(std::vector<Item> const& a, std::vector<Item> const& b) {
-    using namespace detail;
-    if (a.size() != b.size()) return false;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::string x, y;
-        shape_of(a[i], x);
-        shape_of(b[i], y);
-        if (x != y || bases_of(a[i]) != bases_of(b[i])) return false;
+inline void keep_in_variables(Routine& routine, std::set<int> const& kept) {
+    Items& items = routine.items;
+    for (std::size_t at = 0; at < items.size(); ++at) {
+        if (!items[at].loops) continue;
+        Items& body = items[at].body;
+        for (std::size_t m = 0; m < body.size(); ++m) {
+            if (body[m].loops || body[m].target.array >= routine.variables) continue;
+            Ref const place = body[m].target;
+            if (!alone(body, place)) continue;
+            std::size_t next = m + 1;
+            while (next < body.size() && (body[next].loops || body[next].target != place)) ++next;
+            bool const again = next < body.size();
+            bool const later = std::any_of(items.begin() + long(at) + 1, items.end(),
+                                           [&](Item const& x) { return reads_array(x, place.array); });
+            if (!again && (kept.contains(place.array) || later)) continue;
+            std::size_t const last = std::min(next, body.size() - 1);
+            if (std::none_of(body.begin() + long(m) + 1, body.begin() + long(last) + 1,
+                             [&](Item const& x) { return reads_array(x, place.array); })) {
+                body.erase(body.begin() + long(m--));
+                continue;
+            }
+            Ref const variable{routine.variables + int(routine.kinds.size()), {0, place.index.strides}};
+            Ref own = variable;
+            for (int& stride : own.index.strides) stride = 0;
+            routine.kinds.push_back(body[m].value.kind);
+            body[m].target = own;
+            for (std::size_t k = m + 1; k <= last; ++k) replace(body[k].value, place, own);
+        }
     }
-    return true;
 }
+
+}  // namespace detail
 
 /// The same with repeated statements as loops. Its expansion is the statements that it was made of.
 inline Routine rolled(Routine routine) {
@@ -218,6 +338,13 @@ inline Routine rolled(Routine routine) {
     for (Looked& x : items) out.items.push_back(std::move(x.item));
     if (!same(expanded(out.items), expanded(routine.items))) throw std::logic_error("loops of other statements");
     return out;
+}
+
+/// The same with fewer loops and fewer places. `kept`: arrays whose numbers are read afterwards.
+inline Routine fused(Routine routine, std::vector<int> const& kept) {
+    while (detail::fuse_once(routine.items, routine.variables)) {}
+    detail::keep_in_variables(routine, {kept.begin(), kept.end()});
+    return routine;
 }
 
 }  // namespace rlslab::exporting

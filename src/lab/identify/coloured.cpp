@@ -184,7 +184,7 @@ double farthest_from_one(std::vector<double> const& c) {
 Cured with_noise_model(IdentifyOptions const& options, Structure const& structure, Record const& record,
                        Estimate const& estimate) {
     if (estimate.noise_free)
-        throw InputError("--noise-model: the residuals are rounding errors alone: expected a record with noise");
+        refuse("--noise-model: the residuals are rounding errors alone: expected a record with noise");
     int const n = *options.noise_model;
     Rows const rows = fitted_rows(structure.terms, record);
     Records const& r = rows.records;
@@ -226,7 +226,7 @@ Cured with_instruments(IdentifyOptions const& options, Structure const& structur
     Records const& r = rows.records;
     Index const d = Index(structure.terms.size()), q = past_outputs(structure.terms), m = r.parameters() - q,
                 N = record.fitted - r.presample;
-    Records const zeta{.psi = r.psi.bottomRows(m), .y = r.y, .names = {}, .skipped = 0, .presample = r.presample};
+    Records const zeta{.psi = r.psi.bottomRows(m), .y = r.y, .presample = r.presample};
     Cured out{.order = n, .rows = r.rows()};
     InstrumentalVariables<Ud<double>> f({.size = d, .prior = prior_of(estimate)},
                                         {.size = m, .prior = default_prior(zeta, 1).prior()}, q);

@@ -10,10 +10,8 @@
 #include <rlslab/reference/scatter.hpp>
 
 #include <algorithm>
-#include <array>
 
 namespace rlslab::identify {
-using namespace report;
 
 CatalogueEntry const& entry_of(std::string const& variant) {
     if (CatalogueEntry const* const entry = find_entry(variant)) return *entry;

@@ -1,5 +1,4 @@
-// The variant's estimate and its uncertainty; the parameters again where residuals are coloured; and what is to be said
-// of all of it.
+// The variant's estimate and its uncertainty; the parameters again where residuals are coloured; and remarks on it all.
 #pragma once
 
 #include "src/lab/identify/structure.hpp"

@@ -62,7 +62,7 @@ Figure orders_of(Identified const& m) {
     size_t place = 0;
     auto const criterion = [&](std::string name,
                                std::vector<std::pair<std::string, double OrderFit::*>> const& which) -> Panel& {
-        Panel p{std::move(name), {}, {}};
+        Panel p{std::move(name)};
         for (auto const& [of, number] : which) {
             Signal x, y;
             for (OrderFit const& f : m.choice.fits)
@@ -300,7 +300,7 @@ Figure trajectory_of(Identified const& m) {
             input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
         auto panel = std::ranges::find(out.panels, of, &Panel::name);
         if (panel == out.panels.end()) panel = out.panels.insert(panel, {of, {}, {}});
-        Curve c{.name = m.parameters[j].name, .look = look_of({}, j), .x = {}, .y = {}};  // one look a parameter
+        Curve c{.name = m.parameters[j].name, .look = look_of({}, j)};  // one look a parameter
         for (size_t i = begin; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "src/lab/report/provenance.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>
@@ -54,8 +54,7 @@ struct OrderChoice {
 
 /// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of N residuals after so many
 /// parameters of past outputs were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at
-/// least. If residuals are missing (NaN), N - tau is the number of complete pairs, and lags without a pair do not
-/// count.
+/// least. Where residuals are missing (NaN), N - tau counts complete pairs, and lags without a pair do not count.
 struct LjungBox {
     double Q, p;
     Index lags, freedom;
@@ -206,8 +205,7 @@ struct PastInput {
     Index lag;           ///< of the largest correlation
     double correlation;  ///< at this lag
     double bound;        ///< 99 % bound of all lags of all inputs together
-    Index first_lag;     ///< first significant lag when all lags up to `lag` are in the equation; `lag` if none is
-                         ///< significant
+    Index first_lag;     ///< first significant lag when all up to `lag` are in the equation; `lag` if none is
 };
 
 /// The terms of the equation, and how they were chosen.
@@ -234,8 +232,7 @@ struct Estimate {
     std::vector<TrajectoryPoint> trajectory = {};
 };
 
-/// The model's properties, and its errors on both parts of the record. NaN and empty: theta is not finite, or not
-/// known.
+/// The model's properties, and its errors on both parts of the record. NaN and empty: theta is not finite, or unknown.
 struct Validation {
     DifferenceEquation model = {};
     std::vector<std::complex<double>> poles = {};
@@ -255,10 +252,10 @@ struct Validation {
     std::vector<Signal> cross_correlation = {};  ///< of residuals and each input, lags 0 ...
     double bound = 0;  ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
     std::vector<PastInput> past_inputs = {};
-    std::vector<Outlier> outliers = {};              ///< the largest of the fitted part, and of the held-out part
-    Signal measured = {}, one_step = {};             ///< with means, from the first row of the equation on
-    Signal simulated = {}, simulated_held_out = {};  ///< likewise; from the first outputs, and from those just before
-                                                     ///< the held-out part; empty without an input
+    std::vector<Outlier> outliers = {};   ///< the largest of the fitted part, and of the held-out part
+    Signal measured = {}, one_step = {};  ///< with means, from the first row of the equation on
+    /// Likewise; from the first outputs, and from those just before the held-out part; empty without an input.
+    Signal simulated = {}, simulated_held_out = {};
 };
 
 struct TrackedRow {

@@ -1,31 +1,12 @@
 // An identified model as JSON. A number that is not finite is written as null.
 #include "src/lab/identify/structure.hpp"
 #include "src/lab/identify/text.hpp"
-
-#include <nlohmann/json.hpp>
+#include "src/lab/report/json.hpp"
 
 namespace rlslab::identify {
 using namespace report;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// {"name": value, ...}, blanks between the names; null without a value.
-Json object(std::string_view names, std::vector<Json> const& values) {
-    Json out = Json::object();
-    for (size_t at = 0, i = 0; at < names.size(); ++i) {
-        size_t const end = std::min(names.find(' ', at), names.size());
-        out[std::string(names.substr(at, end - at))] = i < values.size() ? values[i] : Json();
-        at = end + 1;
-    }
-    return out;
-}
-/// The list of what `of` makes of each.
-Json each(auto const& all, auto const& of) {
-    Json out = Json::array();
-    for (auto const& x : all) out.push_back(of(x));
-    return out;
-}
 Json numbers(auto const& x) { return std::vector<double>(x.begin(), x.end()); }
 Json parts(std::complex<double> z) { return std::vector{z.real(), z.imag()}; }
 
@@ -127,49 +108,31 @@ std::string as_json(Identified const& m) {
     });
     Json inputs = Json::array();
     for (size_t j = 0; j < m.excitation.size(); ++j) inputs.push_back(input_json(m, j, clock));
-    Json out = {{"version", RLSLAB_VERSION},
-                {"file", m.file},
-                {"options", object("output variant forgetting p0 delay intercept detrend time validate confidence",
-                                   {o.output, o.variant, o.forgetting, o.p0.value_or(NAN), o.delay, o.intercept,
-                                    o.detrend, o.time.empty() ? Json() : Json(o.time), o.validate, o.confidence})},
-                {"units", object("time frequency sample_time_s",
-                                 {clock.unit(), clock.unit_of_frequency(), o.sample_time.value_or(NAN)})},
-                {"samples", m.samples},
-                {"fitted", m.fitted},
-                {"skipped", m.skipped},
-                {"held_out", m.held_out},
-                {"warnings", m.warnings()},
-                {"hints", m.hints()},
-                {"next", m.next()},
-                {"order", m.order},
-                {"structure", m.structure},
-                {"why", m.why},
-                {"equation", equation_text(m.terms, o.output)},
-                {"suggested", choice.fits.empty()
-                                  ? Json()
-                                  : object("aic bic fpe f_test", {choice.aic, choice.bic, choice.fpe, choice.f_test})},
-                {"orders", orders},
-                {"parameters", parameters},
-                {"breakdown", m.failure ? breakdown(m.failure->row, m.failure->kind) : Json()},
-                {"poles", model ? each(m.poles, parts) : Json()},
-                {"pole_covariances", model ? covariances(m.pole_spreads) : Json()},
-                {"modes", model ? modes : Json()},
-                {"cancelling", cancelling},
-                {"inputs", inputs},
-                {"output_mean", m.means.back()},
-                {"prior", object("c scales moves_by_sd", {m.c, m.scales, m.prior_effect})},
-                {"sigma2", m.sigma2},
-                {"degrees_of_freedom", m.freedom},
-                {"criteria", object("aic bic fpe", {m.aic, m.bic, m.fpe})},
-                {"fit", object("one_step held_out_one_step held_out_simulated",
-                               {m.fit_one_step, m.held_out_one_step, m.held_out_simulated})},
-                {"whiteness", whiteness_json(m.ljung_box)},
-                {"residual_correlation", m.auto_correlation},
-                {"constancy", constancy_json(m.constancy, clock)},
-                {"output", model ? outputs_json(m, clock) : Json()},
-                {"bound", m.bound},
-                {"digits", object("theta worst", {m.digits, m.digits_worst})},
-                {"condition", m.condition}};
+    Json const options = object("output variant forgetting p0 delay intercept detrend time validate confidence",
+                                {o.output, o.variant, o.forgetting, o.p0.value_or(NAN), o.delay, o.intercept, o.detrend,
+                                 o.time.empty() ? Json() : Json(o.time), o.validate, o.confidence}),
+               units = object("time frequency sample_time_s",
+                              {clock.unit(), clock.unit_of_frequency(), o.sample_time.value_or(NAN)}),
+               suggested = object("aic bic fpe f_test", {choice.aic, choice.bic, choice.fpe, choice.f_test}),
+               fit = object("one_step held_out_one_step held_out_simulated",
+                            {m.fit_one_step, m.held_out_one_step, m.held_out_simulated});
+    Json out = object("version file options units", {RLSLAB_VERSION, m.file, options, units});
+    out.update(object("samples fitted skipped held_out warnings hints next",
+                      {m.samples, m.fitted, m.skipped, m.held_out, m.warnings(), m.hints(), m.next()}));
+    out.update(object("order structure why equation suggested orders parameters",
+                      {m.order, m.structure, m.why, equation_text(m.terms, o.output),
+                       choice.fits.empty() ? Json() : suggested, orders, parameters}));
+    out.update(object(
+        "breakdown poles pole_covariances modes cancelling inputs output_mean",
+        {m.failure ? breakdown(m.failure->row, m.failure->kind) : Json(), model ? each(m.poles, parts) : Json(),
+         model ? covariances(m.pole_spreads) : Json(), model ? modes : Json(), cancelling, inputs, m.means.back()}));
+    out.update(object("prior sigma2 degrees_of_freedom criteria fit",
+                      {object("c scales moves_by_sd", {m.c, m.scales, m.prior_effect}), m.sigma2, m.freedom,
+                       object("aic bic fpe", {m.aic, m.bic, m.fpe}), fit}));
+    out.update(object("whiteness residual_correlation constancy output bound digits condition",
+                      {whiteness_json(m.ljung_box), m.auto_correlation, constancy_json(m.constancy, clock),
+                       model ? outputs_json(m, clock) : Json(), m.bound,
+                       object("theta worst", {m.digits, m.digits_worst}), m.condition}));
     if (m.tracked) out["tracked"] = tracked_json(*m.tracked);
     if (m.noise_model) out["noise_model"] = cured_json(*m.noise_model);
     if (m.instruments) out["instruments"] = cured_json(*m.instruments);

@@ -2,7 +2,6 @@
 #include "src/lab/identify/estimate.hpp"
 
 #include "src/lab/identify/text.hpp"
-#include "src/lab/identify/structure.hpp"
 
 #include <rlslab/model/lags.hpp>
 
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 
 namespace rlslab::identify {
-using namespace report;
 
 int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& parameters, int input) {
     int idle = 0, all = 0;
@@ -211,8 +209,7 @@ Remark remark_on_delay(int input, int idle, Model m) {
             option, true};
 }
 
-/// What to do depends on the order without the pairs. A chosen order has a better criterion than a lower one with white
-/// residuals: no remark.
+/// What to do depends on the order without the pairs. None on a chosen one: white lower ones have a worse criterion.
 void remark_on_cancellations(Remarks& out, Model m) {
     if (m.cancellations.empty()) return;
     std::vector<std::string> pairs;

@@ -10,7 +10,6 @@
 #include <span>
 
 namespace rlslab::identify {
-using namespace report;
 namespace {
 
 constexpr int longest = 200;  // the cost of poles and zeros grows with its third power
@@ -112,8 +111,7 @@ Record centred(Record record, IdentifyOptions const& options) {
             if (std::abs(v) > size) size = std::abs(v);
         if (size > 0 && size < 0x1p-400)  // squares of the rest must not underflow
             refuse(
-                "{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of "
-                "ten",
+                "{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of ten",
                 record.file, name, size);
     }
     return record;
@@ -160,10 +158,10 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
 }
 
 IdentifyOptions completed(IdentifyOptions o) {
-    if (o.output.empty()) throw InputError("--output: expected the name of the output column");
+    if (o.output.empty()) refuse("--output: expected the name of the output column");
     if (!o.regressors.empty()) {
         if (!o.inputs.empty() || o.order || o.max_order || o.na || !o.nb.empty() || !o.delay.empty())
-            throw InputError("--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
+            refuse("--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
         for (Lagged const& r : listed(o))
             if (r.column != o.output && std::ranges::count(o.inputs, r.column) == 0) o.inputs.push_back(r.column);
         std::vector<int> nearest(o.inputs.size(), largest_lag), furthest(o.inputs.size(), 0);
@@ -182,14 +180,13 @@ IdentifyOptions completed(IdentifyOptions o) {
         for (auto const& [option, given] : {std::pair("--nb", !o.nb.empty()), {"--delay", !o.delay.empty()}})
             if (given) refuse("{}: expected --input, too: it counts samples of an input", option);
         if (o.na && *o.na == 0)
-            throw InputError(
-                "--na: expected 1 or more, or --input, too: without an input y is predicted from its past");
+            refuse("--na: expected 1 or more, or --input, too: without an input y is predicted from its past");
     }
-    if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
+    if (o.order && (o.na || !o.nb.empty())) refuse("--order: does not go with --na and --nb");
     if (o.max_order && (o.order || o.na || !o.nb.empty()))
-        throw InputError("--max-order: does not go with --order, --na and --nb");
-    if (o.na && o.nb.empty() && !o.inputs.empty()) throw InputError("--na: expected --nb, too");
-    if (!o.na && !o.nb.empty()) throw InputError("--nb: expected --na, too");
+        refuse("--max-order: does not go with --order, --na and --nb");
+    if (o.na && o.nb.empty() && !o.inputs.empty()) refuse("--na: expected --nb, too");
+    if (!o.na && !o.nb.empty()) refuse("--nb: expected --na, too");
     if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
     if (o.sample_time && !(1e-15 <= *o.sample_time && *o.sample_time <= 1e15))
         refuse("--sample-time: expected seconds from 1e-15 to 1e15, found {}", *o.sample_time);
@@ -260,12 +257,7 @@ Index past_outputs(std::vector<Term> const& terms) {
 Rows rows_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
     Index const first = presample(terms), last = Index(y.size()), d = Index(terms.size());
     expects(last >= first, "more samples than the longest lag");
-    Rows out{{.psi = Matrix<double>(d, last - first),
-              .y = Vector<double>(last - first),
-              .names = {},
-              .skipped = 0,
-              .presample = first},
-             {}};
+    Rows out{{.psi = Matrix<double>(d, last - first), .y = Vector<double>(last - first), .presample = first}, {}};
     Records& r = out.records;
     for (Term const& t : terms) r.names.push_back(t.name);
     for (Index at = first; at < last; ++at) {
@@ -289,7 +281,6 @@ Rows Rows::before(Index sample) const {
     return {{.psi = records.psi.leftCols(count),
              .y = records.y.head(count),
              .names = records.names,
-             .skipped = 0,
              .presample = records.presample},
             {samples.begin(), samples.begin() + count}};
 }

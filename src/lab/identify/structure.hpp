@@ -4,17 +4,11 @@
 
 #include "src/lab/identify/identify.hpp"
 
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/model/fit.hpp>
-
-#include <fmt/format.h>
 
 namespace rlslab::identify {
 
-template <class... Values>
-[[noreturn]] void refuse(fmt::format_string<Values...> message, Values&&... values) {
-    throw InputError(fmt::format(message, std::forward<Values>(values)...));
-}
+using report::refuse;
 
 /// The inputs and the output less their means; NaN: a missing value.
 struct Record {
@@ -40,8 +34,7 @@ Signal zero_filled(Signal const& x, Index first, Index end);
 /// The longest run without a missing value among the first `count` samples.
 Signal longest_run(Signal const& x, Index count);
 
-/// The options with all inputs, a delay for each, and max_order. Throws InputError for options that contradict one
-/// another.
+/// The options with all inputs, a delay for each, and max_order. Throws InputError where options contradict each other.
 IdentifyOptions completed(IdentifyOptions options);
 
 /// Whether the options name one structure. Otherwise an order is chosen.
@@ -65,8 +58,7 @@ int order_of(std::vector<Term> const& terms, std::vector<int> const& delay);
 int delay_of(std::vector<Term> const& terms, int input);
 Index past_outputs(std::vector<Term> const& terms);
 
-/// y[k] = psi' theta: one row for each sample from the longest lag on, without the rows in which a value is missing
-/// (NaN).
+/// y[k] = psi' theta: one row for each sample from the longest lag on, without rows that miss a value (NaN).
 struct Rows {
     Records records;
     std::vector<Index> samples;  ///< k of each row
@@ -108,8 +100,7 @@ OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out);
 Index ljung_box_lags(Index rows, int order);
 /// Largest J that rounding alone causes, for this number of rows with outputs up to y.
 double rounding_alone(Index rows, double y);
-/// Nothing but zeros: Q = 0, p = 1. Infinite residuals, or none: NaN. Throws std::invalid_argument unless 1 <= lags <
-/// N.
+/// Nothing but zeros: Q = 0, p = 1. Infinite residuals, or none: NaN. std::invalid_argument unless 1 <= lags < N.
 LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted);
 
 }  // namespace rlslab::identify

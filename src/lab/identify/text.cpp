@@ -1,5 +1,4 @@
-// What is said of an identified model, once, and its renderers: a terminal, a page, the rows that are tracked. An
-// unknown number is "-".
+// What is said of a model, once, and its renderers: a terminal, a page, the tracked rows. An unknown number is "-".
 #include "src/lab/identify/text.hpp"
 #include "src/lab/identify/validate.hpp"
 #include "src/lab/report/page.hpp"

@@ -1,7 +1,7 @@
 // The file of literature, cut into its entries at blank lines.
 #include "src/lab/program/bibliography.hpp"
 
-#include "src/lab/report/revision.hpp"
+#include "src/lab/report/provenance.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

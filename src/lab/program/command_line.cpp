@@ -1,13 +1,20 @@
 // The program's command line: its commands, and the messages for lines that are no valid command.
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
-#include "src/lab/report/revision.hpp"
+#include "src/lab/program/run.hpp"
 
+#include <rlslab/core/files.hpp>
 #include <rlslab/input/suggestion.hpp>
 
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
 #include <sstream>
+#include <unistd.h>
 
 namespace rlslab::program {
 using namespace report;
@@ -72,8 +79,7 @@ struct CommandLine {
         for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
         return out;
     }
-    /// CLI11 takes any word as an option's value, so that -1.5 can be one; one that is an option of the same command
-    /// was not meant.
+    /// CLI11 takes any word as a value, so that -1.5 can be one; an option of the same command was not meant as one.
     void expect_values(std::vector<std::string> const& words) const {
         CLI::App const* taker = &app;
         for (size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
@@ -89,12 +95,11 @@ struct CommandLine {
             if (apart && ++i == words.size()) break;
             std::string const value = apart ? words[i] : words[i].substr(name.size() + 1);
             if (option->get_delimiter() == ',' && has_an_empty_part(value))
-                throw InputError(fmt::format("{}: expected {}, no part of it empty, found \"{}\"", name,
-                                             option->get_type_name(), printable(value)));
+                refuse("{}: expected {}, no part of it empty, found \"{}\"", name, option->get_type_name(),
+                       printable(value));
             if (apart && value.starts_with("--") &&
                 taker->get_option_no_throw(value.substr(0, value.find('='))) != nullptr)
-                throw InputError(
-                    fmt::format("{}: expected {}, found the option {}", name, option->get_type_name(), value));
+                refuse("{}: expected {}, found the option {}", name, option->get_type_name(), value);
         }
     }
     /// CLI11 would drop it. A comma within quotes is part of a name.
@@ -139,15 +144,13 @@ struct CommandLine {
         std::vector<std::string> const known = names();
         bool const compares = &misled == &app && std::ranges::find(known, "compare") != known.end();
         if (std::error_code no_file; compares && std::filesystem::is_regular_file(word, no_file))
-            throw InputError(fmt::format(
+            refuse(
                 "\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
                 "if it is a filter's state",
-                printable(word, 1000)));
-        if (compares && word == "advise")
-            throw InputError("advise: it is rlslab compare --digits N now, with the same options");
+                printable(word, 1000));
+        if (compares && word == "advise") refuse("advise: it is rlslab compare --digits N now, with the same options");
         if (&misled == &app) expect_one_of(views(known), word, "", "command");
-        throw InputError(fmt::format("\"{}\" is one word too many ({} {} --help)", printable(word), program_name(),
-                                     misled.get_name()));
+        refuse("\"{}\" is one word too many ({} {} --help)", printable(word), program_name(), misled.get_name());
     }
     /// Names without their dashes are compared: these would make short ones alike.
     [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
@@ -157,8 +160,8 @@ struct CommandLine {
         std::string_view const meant =
             nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
         std::string const help = program_name() + (misled.get_parent() ? ' ' + misled.get_name() : "") + " --help";
-        throw InputError(fmt::format("no option \"{}\" ({})", printable(word),
-                                     meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
+        refuse("no option \"{}\" ({})", printable(word),
+               meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant));
     }
     static std::vector<std::string_view> views(std::vector<std::string> const& names) {
         return {names.begin(), names.end()};
@@ -190,15 +193,81 @@ std::function<int()> parse(std::vector<std::string> words) {
         return [json = line->json] {
             return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : version_text()), 0;
         };
-    if (line->json) throw InputError("--json: expected behind --version or a command");
+    if (line->json) refuse("--json: expected behind --version or a command");
     for (Command const& command : line->commands)
         if (command.app->parsed())
             return [line, run = command.run] {
                 set_output_options(line->output_options);
                 return run();
             };
-    throw InputError(
-        fmt::format("expected a command: {} ({} --help has more)", fmt::join(line->names(), ", "), program_name()));
+    refuse("expected a command: {} ({} --help has more)", fmt::join(line->names(), ", "), program_name());
+}
+
+// --- from words to the exit code; signals end it as in git: a handler cleans up and raises the signal again ----------
+
+namespace {
+
+char advice[512];
+std::atomic<size_t> length = 0;
+std::atomic<bool> terminal = false;
+
+/// Calls only functions that a signal handler may call: unlink, write, raise.
+void clean_up(int signal) {
+    remove_unfinished_file();
+    if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // the line of progress, and ^C, end here
+    if (length > 0) (void)!::write(STDERR_FILENO, advice, length);
+    ::raise(signal);  // the handler is gone (SA_RESETHAND): its default comes when this one returns
+}
+
+}  // namespace
+
+void when_stopped(std::string const& text) {
+    terminal = ::isatty(STDERR_FILENO) == 1;
+    length = 0;
+    size_t const fits = std::min(text.size(), sizeof advice);
+    std::memcpy(advice, text.data(), fits);
+    length = fits;
+    struct sigaction act {};
+    act.sa_handler = clean_up;
+    act.sa_flags = SA_RESETHAND;
+    for (int const signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction before {};
+        ::sigaction(signal, nullptr, &before);
+        if (before.sa_handler != SIG_IGN) ::sigaction(signal, &act, nullptr);  // with nohup it stays ignored
+    }
+}
+
+void prepare_process() {
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    sigprocmask(SIG_UNBLOCK, &pipe, nullptr);
+    std::signal(SIGPIPE, SIG_DFL);
+    std::signal(SIGXFSZ, SIG_IGN);
+    when_stopped("");
+    // A file that is opened takes the least free number: one that is closed gets a file that cannot be used that way.
+    for (int const file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(file, F_GETFD) < 0) (void)!::open("/dev/null", file == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+int run(std::vector<std::string> const& words, int rank, std::string const& name) {
+    bool understood = false;
+    try {
+        set_command(words, name);
+        auto const command = parse(words);
+        understood = true;
+        return command();
+    } catch (std::bad_alloc const&) {
+        std::fprintf(stderr, "%s: out of memory\n", name.c_str());
+    } catch (std::exception const& error) {
+        std::string line = error.what();
+        for (char& c : line)
+            if (c == '\n' || c == '\r') c = ' ';
+        if (understood || rank == 0) std::fprintf(stderr, "%s: %s\n", name.c_str(), line.c_str());
+    } catch (...) {
+        std::fprintf(stderr, "%s: something was thrown that is no std::exception\n", name.c_str());
+    }
+    return 2;
 }
 
 }  // namespace rlslab::program

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
@@ -16,22 +15,12 @@
 namespace rlslab::program {
 using namespace report;
 
-CLI::Validator whole(long least, long most) {
-    return {[=](std::string& text) {
-                long value = 0;
-                auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-                bool const good =
-                    error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
-                return good ? ""
-                            : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most,
-                                          printable(text));
-            },
-            ""};
-}
+namespace {
 
-CLI::Validator real(char const* expected, double least, double most) {
+template <class T>
+CLI::Validator number(std::string const& expected, T least, T most) {
     return {[=](std::string& text) {
-                double value = 0;
+                T value = 0;
                 auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
                 bool const good =
                     error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
@@ -39,6 +28,50 @@ CLI::Validator real(char const* expected, double least, double most) {
             },
             ""};
 }
+
+OutputOptions output_options;
+
+/// A line that is written over itself, and wiped off in the end.
+class ProgressLine {
+    using Clock = std::chrono::steady_clock;
+    static double seconds_since(Clock::time_point then) {
+        return std::chrono::duration<double>(Clock::now() - then).count();
+    }
+    Clock::time_point const start_ = Clock::now();
+    Clock::time_point stage_start_ = start_;
+    std::string stage_;
+    size_t width_ = 0;
+    int shown_ = -1;
+
+public:
+    ProgressLine() = default;
+    ~ProgressLine() {
+        if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
+    }
+    ProgressLine(ProgressLine const&) = delete;
+    ProgressLine& operator=(ProgressLine const&) = delete;
+    void show(std::string_view stage, double part) {
+        if (stage != stage_) {
+            if (!stage_.empty()) stage_start_ = Clock::now();
+            stage_ = stage, shown_ = -1;
+        }
+        int const percent = int(100 * part);
+        if (seconds_since(start_) < 1 || percent == shown_) return;
+        shown_ = percent;
+        std::string const line = progress_text(stage, part, seconds_since(stage_start_));
+        width_ = std::max(width_, line.size());
+        std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
+    }
+};
+
+std::vector<std::string> command_words{"rlslab"};
+
+}  // namespace
+
+CLI::Validator whole(long least, long most) {
+    return number(fmt::format("a whole number from {} to {}", least, most), least, most);
+}
+CLI::Validator real(char const* expected, double least, double most) { return number<double>(expected, least, most); }
 
 CLI::Option* OptionRow::define(CLI::App& command) const {
     CLI::Option* const out = add_(command);
@@ -101,9 +134,10 @@ void define_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
     auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help,
                           char const* expected) {
-        auto const meant = [known](std::string const& text) {
-            auto const found = std::ranges::find(known, text, &Words::value_type::first);
-            return found == known.end() ? '\0' : found->second;
+        auto const meant = [known](std::string const& text) {  // a word, or the character itself
+            for (auto const& [word, character] : known)
+                if (text == word || text == std::string(1, character)) return character;
+            return '\0';
         };
         command
             .add_option_function<std::string>(
@@ -114,19 +148,10 @@ void define_format(CLI::App& command, CsvFormat& format) {
             ->type_name(choices);
     };
     take("--separator", format.separator,
-         {{",", ','},
-          {"comma", ','},
-          {";", ';'},
-          {"semicolon", ';'},
-          {"tab", '\t'},
-          {"\t", '\t'},
-          {"|", '|'},
-          {"bar", '|'},
-          {" ", ' '},
-          {"blank", ' '}},
+         {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"bar", '|'}, {"blank", ' '}},
          "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: detected",
          "comma, semicolon, tab, bar or blank");
-    take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
+    take("--decimal", format.decimal, {{"point", '.'}, {"comma", ','}}, "point|comma",
          "decimal mark of the file's numbers; default: detected", "point or comma");
     define(command, {{"--missing", format.missing, "WORD[,WORD]",
                       "further words or numbers that stand for a missing value: \"No Data\",-999"}});
@@ -134,55 +159,10 @@ void define_format(CLI::App& command, CsvFormat& format) {
 
 void print(std::string const& text) {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-        throw InputError(fmt::format("standard output: cannot write: {}", std::strerror(errno)));
+        refuse("standard output: cannot write: {}", std::strerror(errno));
 }
 
-namespace {
-
-OutputOptions output_options;
-
-/// A line that is written over itself, and wiped off in the end.
-class ProgressLine {
-    using Clock = std::chrono::steady_clock;
-    static double seconds_since(Clock::time_point then) {
-        return std::chrono::duration<double>(Clock::now() - then).count();
-    }
-    Clock::time_point const start_ = Clock::now();
-    Clock::time_point stage_start_ = start_;
-    std::string stage_;
-    size_t width_ = 0;
-    int shown_ = -1;
-
-public:
-    ProgressLine() = default;
-    ~ProgressLine() {
-        if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
-    }
-    ProgressLine(ProgressLine const&) = delete;
-    ProgressLine& operator=(ProgressLine const&) = delete;
-    void show(std::string_view stage, double part) {
-        if (stage != stage_) {
-            if (!stage_.empty()) stage_start_ = Clock::now();
-            stage_ = stage, shown_ = -1;
-        }
-        int const percent = int(100 * part);
-        if (seconds_since(start_) < 1 || percent == shown_) return;
-        shown_ = percent;
-        std::string const line = progress_text(stage, part, seconds_since(stage_start_));
-        width_ = std::max(width_, line.size());
-        std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
-    }
-};
-
-}  // namespace
-
 void set_output_options(OutputOptions const& options) { output_options = options; }
-
-namespace {
-
-std::vector<std::string> command_words{"rlslab"};
-
-}  // namespace
 
 std::string const& program_name() { return command_words.front(); }
 

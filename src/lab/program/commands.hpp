@@ -1,7 +1,7 @@
 // Functions that the program's subcommands share: checks of options, and output.
 #pragma once
 
-#include "src/lab/report/progress.hpp"
+#include "src/lab/report/messages.hpp"
 #include "src/lab/report/provenance.hpp"
 
 #include <rlslab/input/formats/open.hpp>
@@ -76,8 +76,7 @@ void define_format(CLI::App& command, CsvFormat& format);
 /// --time, of the commands that take rows for samples.
 OptionRow time_option(std::string& column);
 
-/// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
-/// program instead.
+/// Writes the whole answer to standard output. InputError when it cannot be written; a closed pipe ends the program.
 void print(std::string const& text);
 
 /// Writes a line to standard error, unless --quiet was said.
@@ -128,6 +127,8 @@ struct Command {
 };
 Command compare_command(CLI::App& app);
 Command sweep_command(CLI::App& app);
+/// What --vary names, in the order of the table.
+inline constexpr std::string_view sweep_factors[] = {"order", "forgetting", "prior", "arithmetic", "variant"};
 Command study_command(CLI::App& app);
 Command merge_command(CLI::App& app);
 Command identify_command(CLI::App& app);

@@ -1,10 +1,8 @@
 // rlslab compare: every variant in every arithmetic on a record.
 #include "src/lab/compare/answer.hpp"
-#include "src/lab/compare/compare.hpp"
 #include "src/lab/compare/digits_answer.hpp"
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/words.hpp"
-#include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/program/run.hpp"
 
@@ -34,24 +32,23 @@ struct CompareArguments {
 CompareOptions checked_options(CompareArguments const& a) {
     CompareOptions options = a.options;
     options.composition = composition_of(a.composition, options.forgetting);
-    if (a.json && a.csv) throw InputError("--json: does not go with --csv");
+    if (a.json && a.csv) refuse("--json: does not go with --csv");
     if (a.code) {
         expect_one_of(code_words(), *a.code, "--code", "word");
-        if (a.json || a.csv) throw InputError("--code: does not go with --json or --csv");
+        if (a.json || a.csv) refuse("--code: does not go with --json or --csv");
         Composition const& c = options.composition;
         if (a.code == "board" && (!c.control.empty() || c.window > 0 || c.policy().rebuilds()))
-            throw InputError(
-                "--code board: does not go with --control, --window or --guard rebuild; --guard reset is in it");
+            refuse("--code board: does not go with --control, --window or --guard rebuild; --guard reset is in it");
     }
     if (options.digits && !options.composition.empty())
-        throw InputError("--digits: does not go with --control, --window or --guard");
-    if (options.digits && options.p0) throw InputError("--digits: does not go with --p0: it chooses the prior");
+        refuse("--digits: does not go with --control, --window or --guard");
+    if (options.digits && options.p0) refuse("--digits: does not go with --p0: it chooses the prior");
     if (options.certify && (options.digits || !options.composition.empty()))
-        throw InputError("--certify: does not go with --digits, --control, --window or --guard");
-    if (options.digits && a.csv) throw InputError("--digits: does not go with --csv");
+        refuse("--certify: does not go with --digits, --control, --window or --guard");
+    if (options.digits && a.csv) refuse("--digits: does not go with --csv");
     if (a.all && !options.composition.empty())
-        throw InputError("--all: does not go with --control, --window or --guard, which exist in float and double");
-    if (a.all && !options.arithmetics.empty()) throw InputError("--all: does not go with --arithmetic");
+        refuse("--all: does not go with --control, --window or --guard, which exist in float and double");
+    if (a.all && !options.arithmetics.empty()) refuse("--all: does not go with --arithmetic");
     if (!a.all && options.arithmetics.empty()) options.arithmetics = {"float", "double"};
     return options;
 }
@@ -61,8 +58,8 @@ int run_compare(CompareArguments const& a) {
     CompareOptions const options = checked_options(a);
     Question question = question_of(with_example(a.record));
     if (a.code == "board" && question.records.parameters() > largest_on_a_board)
-        throw InputError(fmt::format("--code board: expected at most {} parameters, found {}", largest_on_a_board,
-                                     question.records.parameters()));
+        refuse("--code board: expected at most {} parameters, found {}", largest_on_a_board,
+               question.records.parameters());
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     for (std::string& doubt : doubts(question.records, options, question.model.regressors, question.in_file))
         question.model.warnings.push_back(std::move(doubt));
@@ -116,29 +113,25 @@ Command compare_command(CLI::App& app) {
         "MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its finite history --window.\n\n" +
         control_notes() +
         "\nWith --digits N the answer is the first arithmetic that keeps N digits of every parameter: at nine tenths "
-        "of the "
-        "checkpoints, and after the last row of the least-squares solution for the data as given, in every order of "
-        "the rows. For that "
-        "it weakens the prior, and scales columns whose numbers are near the ends of the arithmetic. The C++ has a "
-        "guard where the form can have one, and the answer says what it met on this record. The digits say how well a "
-        "filter computes, not how well the data determine theta.\n\n"
+        "of the checkpoints, and after the last row of the least-squares solution for the data as given, in every "
+        "order of the rows. For that it weakens the prior, and scales columns whose numbers are near the ends of the "
+        "arithmetic. The C++ has a guard where the form can have one, and the answer says what it met on this record. "
+        "The digits say how well a filter computes, not how well the data determine theta.\n\n"
         "The table has the digits that half of the checkpoints along the record reach, over four draws of the "
-        "roundings or more: of theta in norm, of its worst component, of P; against the exact answer for the data "
-        "as stored, at most the arithmetic's own. predicted P: a forecast of that column from the rows alone, before "
-        "any filter runs, for the named form; at least: the same for forms that store P, except conventional and "
-        "kalman. ops: operations a row, with theta; qr_block and the sparse forms "
-        "take blocks of rows. *: named; !: broke down, or did in another order of the rows. A breakdown is the "
-        "first step at which the stored P was not positive definite (decided exactly) or not finite. The named form "
-        "never broke down and keeps three digits (--digits: N) of the worst component at nine tenths of the "
-        "checkpoints. Of such whose low is within half a digit of all others', its largest loss is the least: in "
-        "the median, to the best of each column that never broke down. Of equals: a factor before P or its inverse, "
-        "covariance before information, then the fewest operations. reordered: digits of theta of the named form, "
-        "and of those shown that another order changes by half a digit, over three other orders of the rows. Fast "
-        "forms hold neither P nor R: digits of their prediction error against the certified theta of the rows "
-        "before it; their line starts with zeros.\n\n"
+        "roundings or more: of theta in norm, of its worst component, of P; against the exact answer for the data as "
+        "stored, at most the arithmetic's own. predicted P: a forecast of that column from the rows alone, before any "
+        "filter runs, for the named form; at least: the same for forms that store P, except conventional and kalman. "
+        "ops: operations a row, with theta; qr_block and the sparse forms take blocks of rows. *: named; !: broke "
+        "down, or did in another order of the rows. A breakdown is the first step at which the stored P was not "
+        "positive definite (decided exactly) or not finite. The named form never broke down and keeps three digits "
+        "(--digits: N) of the worst component at nine tenths of the checkpoints. Of such whose low is within half a "
+        "digit of all others', its largest loss is the least: in the median, to the best of each column that never "
+        "broke down. Of equals: a factor before P or its inverse, covariance before information, then the fewest "
+        "operations. reordered: digits of theta of the named form, and of those shown that another order changes by "
+        "half a digit, over three other orders of the rows. Fast forms hold neither P nor R: digits of their "
+        "prediction error against the certified theta of the rows before it; their line starts with zeros.\n\n"
         "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the "
-        "checkpoints; 1 none of those "
-        "shown does; 2 no answer: wrong input, or it could not be written.");
+        "checkpoints; 1 none of those shown does; 2 no answer: wrong input, or it could not be written.");
     CLI::App& c = *comparing;
     CompareOptions& o = a->options;
     define_record(c, a->record);

@@ -1,19 +1,19 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "src/lab/export/export.hpp"
-#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/record_options.hpp"
-#include "src/lab/program/sweep.hpp"
 
 #include <rlslab/studies/study.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
 #include <sstream>
 
 namespace rlslab::program {
 using namespace studies;
+using report::in_quotes;
 namespace {
 
 struct Values {
@@ -29,47 +29,34 @@ std::vector<std::string> split(std::string const& text, char at) {
     return out;
 }
 
+/// The name of each, once.
+std::vector<std::string> names_of(auto const& all, auto const& name) {
+    std::vector<std::string> out;
+    for (auto const& one : all)
+        if (std::string const its(std::invoke(name, one)); std::ranges::find(out, its) == out.end()) out.push_back(its);
+    return out;
+}
+
 Values values_of(CLI::App const& command, CommandOption const& one) {
     using enum Values::Kind;
-    std::vector<std::string> names;
-    auto const add = [&](std::string_view name) {
-        if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
-    };
     bool const list = one.value.find(',') != std::string::npos;
+    auto const variants = [] { return names_of(one_entry_each(), &CatalogueEntry::variant); };
     if (one.value.find('|') != std::string::npos) return {words, split(one.value, '|')};
-    if (one.name == "--variant" && command.get_name() == "export") {
-        for (std::string_view const variant : exporting::exported_variants()) add(variant);
-        return {words, names};
-    }
-    if (one.name == "--variant" || one.name == "--variants") {
-        for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
-        return {words, names, list};
-    }
-    if (one.name == "--arithmetic" || one.name == "--arithmetics") {
-        for (Arithmetic const& arithmetic : arithmetics()) add(arithmetic.name);
-        return {words, names, list};
-    }
-    if (one.name == "--vary") {
-        for (std::string_view const factor : sweep_factors) names.push_back(fmt::format("{}=", factor));
-        return {words, names, true};
-    }
-    if (one.value == "NAME" && command.get_name() == "study") {
-        for (Study const* study : studies::studies()) add(study->name);
-        return {words, names};
-    }
-    if (one.value.starts_with("VARIANT")) {
-        for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
-        return {words, names};
-    }
-    if (one.value == "EXAMPLE" || (one.value == "NAME" && command.get_name() == "example")) {
-        for (Example const& example : examples()) add(example.name);
-        return {words, names};
-    }
+    if (one.name == "--variant" && command.get_name() == "export")
+        return {words, names_of(exporting::exported_variants(), std::identity())};
+    if (one.name == "--variant" || one.name == "--variants") return {words, variants(), list};
+    if (one.name == "--arithmetic" || one.name == "--arithmetics")
+        return {words, names_of(arithmetics(), &Arithmetic::name), list};
+    if (one.name == "--vary")
+        return {words, names_of(sweep_factors, [](auto factor) { return fmt::format("{}=", factor); }), true};
+    if (one.value == "NAME" && command.get_name() == "study")
+        return {words, names_of(studies::studies(), &Study::name)};
+    if (one.value.starts_with("VARIANT")) return {words, variants()};
+    if (one.value == "EXAMPLE" || (one.value == "NAME" && command.get_name() == "example"))
+        return {words, names_of(examples(), &Example::name)};
     if (one.value == "PART") return {words, {"variants", "arithmetics", "rounding", "studies"}};
-    if (one.value == "COMMAND") {
-        for (CLI::App const* other : shown_commands(*command.get_parent())) add(other->get_name());
-        return {words, names};
-    }
+    if (one.value == "COMMAND")
+        return {words, names_of(shown_commands(*command.get_parent()), [](auto const* c) { return c->get_name(); })};
     if (one.value == "DIR") return {folders};
     if (one.value == "FILE") return {files};
     if (one.name == "--output" || one.name == "--regressors" || (one.name == "--input" && one.value != "SIGNAL"))
@@ -79,13 +66,6 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
 
 std::string join(std::vector<std::string> const& words, char const* between) {
     return fmt::format("{}", fmt::join(words, between));
-}
-
-/// Text in single quotes, for both shells.
-std::string in_quotes(std::string const& text) {
-    std::string out = "'";
-    for (char const c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + '\'';
 }
 
 constexpr char const* bash_begin = R"bash(# bash completion for rlslab, written by `rlslab completion bash`.

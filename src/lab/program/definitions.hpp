@@ -1,5 +1,4 @@
-// The definitions of the command line as data, from which the help, the manual page and the shells' completions are
-// written.
+// The command line's definitions as data: help, manual page and the shells' completions are written from them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -39,13 +38,11 @@ std::vector<Meaning> const& environment();
 /// Of --help and `rlslab list`: the letters in a line.
 inline constexpr size_t help_width = 79;
 std::string help_text(CLI::App const& command);
-/// The lines as they were written, except that a line which is too long is broken at its first gap ("Example:  rlslab
-/// ...").
+/// The lines as they were written, but one that is too long is broken at its first gap ("Example:  rlslab ...").
 std::string notes(std::string const& text, size_t width);
 /// man rlslab, in roff.
 std::string manual_page(CLI::App const& app);
-/// The scripts with which bash and zsh complete commands, options, and the names of variants, arithmetics, studies and
-/// columns.
+/// The scripts by which bash and zsh complete commands, options, names of variants, arithmetics, studies and columns.
 std::string bash_completion(CLI::App const& app);
 std::string zsh_completion(CLI::App const& app);
 

@@ -1,9 +1,8 @@
 // rlslab identify, simulate and excitation: from a record to a model, and from a model to a record.
 #include "src/lab/identify/identify.hpp"
 #include "src/lab/identify/text.hpp"
-#include "src/lab/program/commands.hpp"
-#include "src/lab/program/composition_options.hpp"
 #include "src/lab/program/record_options.hpp"
+#include "src/lab/report/json.hpp"
 
 #include <rlslab/core/files.hpp>
 
@@ -11,7 +10,6 @@
 #include <charconv>
 #include <filesystem>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace rlslab::program {
 using namespace identify;
@@ -26,8 +24,7 @@ std::vector<double> numbers_of(std::string const& option, std::string const& tex
         double value = 0;
         auto const [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
         if (error != std::errc() || end != text.data() + to || !std::isfinite(value))
-            throw InputError(
-                fmt::format("{}: expected numbers with commas between, found \"{}\"", option, printable(text)));
+            refuse("{}: expected numbers with commas between, found \"{}\"", option, printable(text));
         out.push_back(value);
         from = to + 1;
     }
@@ -45,8 +42,7 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
     }
     auto const whole_number = [&](size_t i, double least, double most) {
         if (i >= p.size() || p[i] != std::floor(p[i]) || p[i] < least || p[i] > most)
-            throw InputError(
-                fmt::format("--input: {}: expected a whole number from {} to {}", printable(text), least, most));
+            refuse("--input: {}: expected a whole number from {} to {}", printable(text), least, most);
         return Index(p[i]);
     };
     double const longest = double(samples);
@@ -58,10 +54,10 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
         return multisine(samples, int(whole_number(0, 1, std::max(1.0, std::floor((longest - 1) / 2)))));
     if (name == "steps" && p.size() == 2)
         return random_steps(samples, whole_number(0, 1, longest), whole_number(1, p[0], longest), seed);
-    throw InputError(
-        fmt::format("--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
-                    "steps:SHORTEST:LONGEST, found \"{}\"",
-                    printable(text)));
+    refuse(
+        "--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or "
+        "steps:SHORTEST:LONGEST, found \"{}\"",
+        printable(text));
 }
 
 struct IdentifyArguments {
@@ -108,11 +104,11 @@ struct SimulateArguments {
 
 int run_simulate(SimulateArguments const& s) {
     if (s.delay >= s.samples)
-        throw InputError(
-            fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows "
-                        "nothing, found {}",
-                        s.samples, s.delay));
-    if (!s.noise_colour.empty() && s.noise == 0) throw InputError("--noise-colour: expected --noise, too");
+        refuse(
+            "--delay: expected less than the {} --samples: of an input that comes later the record shows "
+            "nothing, found {}",
+            s.samples, s.delay);
+    if (!s.noise_colour.empty() && s.noise == 0) refuse("--noise-colour: expected --noise, too");
     DifferenceEquation model;
     if (!s.a.empty()) model.a = numbers_of("--a", s.a);
     model.b = {numbers_of("--b", s.b)};
@@ -126,8 +122,7 @@ int run_simulate(SimulateArguments const& s) {
     for (double& x : xi) x *= s.noise;
     auto const check = [](char const* option, Signal const& x, char const* what) {
         if (!std::ranges::all_of(x, [](double v) { return std::abs(v) <= largest_value; }))
-            throw InputError(fmt::format(
-                "{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what));
+            refuse("{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what);
     };
     check("--input", u, "input");
     check(s.noise_colour.empty() ? "--noise" : "--noise-colour, --noise", xi, "noise");
@@ -137,17 +132,17 @@ int run_simulate(SimulateArguments const& s) {
         return x.size() > 1 && std::ranges::all_of(x, [&](double v) { return v == x[0]; });
     };
     if (constant(y) && constant(u))
-        throw InputError(fmt::format(
+        refuse(
             "--samples: the input is {} over all {} of them, and nothing can be learnt from it: expected more samples, "
             "or another --input or --seed",
-            u[0], u.size()));
+            u[0], u.size());
     if (constant(y))
-        throw InputError(
-            fmt::format("--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that "
-                        "pass the input on, or --noise",
-                        y[0]));
+        refuse(
+            "--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that "
+            "pass the input on, or --noise",
+            y[0]);
     if (std::ranges::all_of(y, [](double v) { return std::abs(v) < 1 / largest_value; }))
-        throw InputError("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
+        refuse("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
     std::string text = as_comments(this_run(false)) + "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     print(text);
@@ -166,8 +161,8 @@ Signal const& without_missing(Columns const& columns, std::string const& name) {
     Signal const& values = columns[name];
     auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
     if (missing != values.end())
-        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value",
-                                     columns.file, columns.lines[size_t(missing - values.begin())], printable(name)));
+        refuse("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
+               columns.lines[size_t(missing - values.begin())], printable(name));
     return values;
 }
 
@@ -178,17 +173,13 @@ int run_excitation(ExcitationArguments const& a) {
     std::string text = fmt::format("{}: input {}, {} samples, resolution {:.3g}\n\n", printable(a.file, 200),
                                    printable(a.input), u.size(), e.resolution) +
                        "  order  least eigenvalue   kappa(U)  definite  above rounding  carried by rows\n";
-    nlohmann::ordered_json orders = nlohmann::ordered_json::array();
+    Json orders = Json::array();
     for (ExcitationOrder const& n : e.orders) {
         text += fmt::format("  {:>5}  {:>16.4g}  {:>9}  {:<8}  {:<14}  {:.0f}\n", n.order, n.least,
                             std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-",
                             n.definite ? "yes" : "no", n.resolved ? "yes" : "no", n.carried);
-        orders.push_back({{"order", n.order},
-                          {"least_eigenvalue", n.least},
-                          {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
-                          {"definite", n.definite},
-                          {"resolved", n.resolved},
-                          {"rows_that_carry", n.carried}});
+        orders.push_back(object("order least_eigenvalue condition definite resolved rows_that_carry",
+                                {n.order, n.least, n.condition, n.definite, n.resolved, n.carried}));
     }
     if (e.constant_at_start > 0)
         text += fmt::format("\nthe input does not change over its first {} samples\n", e.constant_at_start);
@@ -207,19 +198,11 @@ int run_excitation(ExcitationArguments const& a) {
     if (e.exact_order > e.order)
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n",
                             e.exact_order, e.order);
-    nlohmann::ordered_json out = {{"file", a.file},
-                                  {"input", a.input},
-                                  {"samples", u.size()},
-                                  {"exciting_of_order", e.order},
-                                  {"exact_order", e.exact_order},
-                                  {"persistent_order", e.persistent},
-                                  {"changes", e.changes},
-                                  {"resolution", e.resolution},
-                                  {"constant_at_start", e.constant_at_start},
-                                  {"orders", orders}};
-    out["run"] = nlohmann::ordered_json::parse(
-        as_json(this_run(a.dated, printable(a.file, 200), columns.sha256, columns.rows())));
-    print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
+    Json out = object("file input samples exciting_of_order exact_order persistent_order changes resolution",
+                      {a.file, a.input, u.size(), e.order, e.exact_order, e.persistent, e.changes, e.resolution});
+    out.update(object("constant_at_start orders", {e.constant_at_start, orders}));
+    out["run"] = Json::parse(as_json(this_run(a.dated, printable(a.file, 200), columns.sha256, columns.rows())));
+    print(a.json ? out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n' : text);
     return e.order >= 2 ? 0 : 1;
 }
 
@@ -240,14 +223,12 @@ Command identify_command(CLI::App& app) {
         "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 "
         "--out model\n\n"
         "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise "
-        "variance, theta and the "
-        "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of "
-        "--forgetting alone.\n\n" +
+        "variance, theta and the prediction made before the row, with standard deviations (tracked.csv). The model "
+        "above it stays that of --forgetting alone.\n\n" +
         control_notes() +
         "\n"
         "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
-        "record that do not "
-        "make sense.");
+        "record that do not make sense.");
     IdentifyOptions& o = a->options;
     OptionRow("FILE", a->file, "", file_with_missing_values).required().define(*c);
     define_format(*c, a->format);

@@ -3,6 +3,7 @@
 #include "src/lab/program/bibliography.hpp"
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
+#include "src/lab/report/json.hpp"
 #include <rlslab/studies/factors.hpp>
 #include <rlslab/studies/verdicts.hpp>
 
@@ -13,14 +14,11 @@
 #include <algorithm>
 #include <cctype>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace rlslab::program {
 using namespace report;
 using namespace studies;
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string small(std::string text) {
     for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
@@ -37,11 +35,8 @@ std::string variants_text(Json& out) {
             "  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates,
             v->starts_without_prior ? "optional" : "needed", v->block,
             in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
-        out["variants"].push_back({{"name", v->variant},
-                                   {"propagates", v->propagates},
-                                   {"starts_without_prior", v->starts_without_prior},
-                                   {"rows_at_once", v->block},
-                                   {"arithmetics", in}});
+        out["variants"].push_back(object("name propagates starts_without_prior rows_at_once arithmetics",
+                                         {v->variant, v->propagates, v->starts_without_prior, v->block, in}));
     }
     return text;
 }
@@ -52,11 +47,8 @@ std::string arithmetics_text(Json& out) {
         char const* const rounding = s.stochastic ? "stochastic" : "nearest";
         text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<27}  {}\n", s.name, s.digits, s.decimal_digits(),
                             fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
-        out["arithmetics"].push_back({{"name", s.name},
-                                      {"digits", s.digits},
-                                      {"min_exp", s.min_exp},
-                                      {"max_exp", s.max_exp},
-                                      {"rounding", rounding}});
+        out["arithmetics"].push_back(
+            object("name digits min_exp max_exp rounding", {s.name, s.digits, s.min_exp, s.max_exp, rounding}));
     }
     text +=
         "  and pN, N bits with double's exponents, as p11; pN:EMIN:EMAX with a range, as\n"
@@ -93,14 +85,13 @@ std::string studies_text(Json& out, std::vector<std::string> const& words) {
     for (Study const* study : studies::studies()) {
         if (!is_about(*study, words)) continue;
         text += fmt::format("  {:<23} {}\n", study->name, wrapped(study->question, 26, 26, help_width));
-        out["studies"].push_back(
-            {{"name", study->name}, {"question", study->question}, {"subject", subject_of(*study)}});
+        out["studies"].push_back(object("name question subject", {study->name, study->question, subject_of(*study)}));
     }
     if (out["studies"].empty())
-        throw InputError(
-            fmt::format("list studies: none has \"{}\" in its text; expected a paper (Bierman 1977) or a "
-                        "subject (gain, forgetting)",
-                        printable(fmt::format("{}", fmt::join(words, " ")))));
+        refuse(
+            "list studies: none has \"{}\" in its text; expected a paper (Bierman 1977) or a "
+            "subject (gain, forgetting)",
+            printable(fmt::format("{}", fmt::join(words, " "))));
     return text;
 }
 
@@ -114,13 +105,9 @@ std::string claims_text(Json& out) {
             std::string const& data = data_of(*study, claim);
             text += fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\n", study->name, i + 1, name_of(claim.basis.kind),
                                 claim.text, claim.basis.band, data, claim.basis.proof);
-            out["claims"].push_back({{"study", study->name},
-                                     {"number", i + 1},
-                                     {"kind", name_of(claim.basis.kind)},
-                                     {"claim", claim.text},
-                                     {"band", claim.basis.band},
-                                     {"data", data},
-                                     {"proof", claim.basis.proof}});
+            out["claims"].push_back(object("study number kind claim band data proof",
+                                           {study->name, i + 1, name_of(claim.basis.kind), claim.text, claim.basis.band,
+                                            data, claim.basis.proof}));
         }
     return text;
 }
@@ -137,8 +124,7 @@ void run_list(std::string const& part, std::vector<std::string> const& words, bo
     for (auto const& [name, text] : parts) names.push_back(name);
     if (!part.empty()) expect_one_of(names, part, "list", "part");
     if (!words.empty() && part != "studies")
-        throw InputError(
-            fmt::format("\"{}\" is one word too many ({} list --help)", printable(words.front()), program_name()));
+        refuse("\"{}\" is one word too many ({} list --help)", printable(words.front()), program_name());
     Json out;
     std::string text;
     for (auto const& [name, text_of] : parts)

@@ -14,8 +14,7 @@ bool is_option(std::string const& word, std::string const& option) {
     return word == option || word.starts_with(option + "=");
 }
 
-/// Words that ranks refuse, as a message; "" if there are none. The ranks are the parts, and start nothing anew while
-/// others run.
+/// Words that ranks refuse, as a message; "": none. The ranks are the parts, and start nothing anew while others run.
 std::string refused(Words const& words) {
     if (words.empty() || words.front() != "study") return "expected rlslab_mpi study ...: other commands need no ranks";
     for (std::string const& word : words)

@@ -1,4 +1,4 @@
-// FILE or example, columns, model: options, and the rows they describe.
+// FILE or example, columns, model: options, and the rows they describe; --control, --window and --guard.
 #include "src/lab/program/record_options.hpp"
 
 #include <rlslab/input/constant.hpp>
@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -18,24 +19,6 @@
 namespace rlslab::program {
 using namespace compare;
 using namespace report;
-namespace {
-
-/// Takes the mean of what is there off each column.
-std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
-    std::vector<std::pair<std::string, double>> out;
-    for (size_t j = 0; j < columns.names.size(); ++j) {
-        std::vector<double>& x = columns.values[j];
-        double sum = 0, there = 0;
-        for (double const v : x)
-            if (!std::isnan(v)) sum += v, ++there;
-        double const mean = constant_value(x).value_or(there > 0 ? sum / there : 0);
-        for (double& v : x) v -= mean;
-        out.emplace_back(printable(columns.names[j]), mean);
-    }
-    return out;
-}
-
-}  // namespace
 
 void define_record(CLI::App& command, RecordArguments& a) {
     CLI::Option* const file = OptionRow("FILE", a.file, "", file_with_missing_values).required().define(command);
@@ -88,6 +71,21 @@ void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char 
 
 namespace {
 
+/// Takes the mean of what is there off each column.
+std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
+    std::vector<std::pair<std::string, double>> out;
+    for (size_t j = 0; j < columns.names.size(); ++j) {
+        std::vector<double>& x = columns.values[j];
+        double sum = 0, there = 0;
+        for (double const v : x)
+            if (!std::isnan(v)) sum += v, ++there;
+        double const mean = constant_value(x).value_or(there > 0 ? sum / there : 0);
+        for (double& v : x) v -= mean;
+        out.emplace_back(printable(columns.names[j]), mean);
+    }
+    return out;
+}
+
 /// What the options describe: a regression on columns with lags, or where there are none an ARX model.
 struct Model {
     std::vector<std::string> columns;  ///< to be read, each once
@@ -101,7 +99,7 @@ struct Model {
 
 Model regression_of(RecordArguments const& a) {
     if (!a.inputs.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
-        throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
+        refuse("--regressors: does not go with --input, --order, --na, --nb or --delay");
     Model out{.columns = {}, .lagged = lagged_of("--regressors", a.regressors, a.output), .arx = {}};
     for (Lagged const& r : out.lagged) out.read(r.column);
     return out;
@@ -111,28 +109,26 @@ Model arx_of(RecordArguments const& a) {
     if (a.inputs.empty()) {
         int const na = std::max(a.order, a.na);
         std::string const to = na > 1 ? fmt::format("..k-{}", na) : "";
-        throw InputError(fmt::format("--input: expected the name of the input column, or several (or --regressors {})",
-                                     na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c"));
+        refuse("--input: expected the name of the input column, or several (or --regressors {})",
+               na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c");
     }
-    if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
-    if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
+    if (a.order && (a.na >= 0 || a.nb >= 0)) refuse("--order: does not go with --na and --nb");
+    if (!a.order && (a.na < 0 || a.nb < 0)) refuse("--order: expected an order (or --na and --nb)");
     Model out{.columns = {}, .lagged = {}, .arx = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb}};
     out.arx.delay = a.delay;
     out.arx.intercept = a.intercept;
     out.arx.inputs = int(a.inputs.size());
     for (std::string const& input : a.inputs) {
-        if (std::ranges::count(a.inputs, input) > 1)
-            throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
-        if (input == a.output)
-            throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
+        if (std::ranges::count(a.inputs, input) > 1) refuse("--input: column \"{}\" is named twice", printable(input));
+        if (input == a.output) refuse("--input: column \"{}\" is both input and output", printable(input));
         out.read(input);
     }
     return out;
 }
 
 Model model_of(RecordArguments const& a) {
-    if (a.file.empty() && a.example.empty()) throw InputError("FILE: expected the name of a file");
-    if (a.output.empty()) throw InputError("--output: expected the name of the output column");
+    if (a.file.empty() && a.example.empty()) refuse("FILE: expected the name of a file");
+    if (a.output.empty()) refuse("--output: expected the name of the output column");
     Model out = a.regressors.empty() ? arx_of(a) : regression_of(a);
     out.read(a.output);
     return out;
@@ -291,7 +287,7 @@ Example const& example_named(std::string const& name, std::string const& where) 
 RecordArguments with_example(RecordArguments a) {
     if (a.example.empty()) return a;
     RecordArguments const& model = example_named(a.example, "--example").model;
-    if (!a.file.empty()) throw InputError("--example: does not go with FILE");
+    if (!a.file.empty()) refuse("--example: does not go with FILE");
     if (a.output.empty()) a.output = model.output;
     if (!a.inputs.empty() || !a.regressors.empty()) return a;
     bool const ordered = a.order > 0 || a.na >= 0 || a.nb >= 0;
@@ -299,6 +295,100 @@ RecordArguments with_example(RecordArguments a) {
     if (!ordered) a.order = model.order, a.regressors = model.regressors;
     a.intercept = a.intercept || model.intercept, a.detrend = a.detrend || model.detrend;
     return a;
+}
+
+// --- --control NAME:NUMBER:NUMBER, --window ROWS, --guard POLICY -----------------------------------------------------
+
+namespace {
+
+/// "fortescue[:VARIANCE[:MEMORY[:LEAST]]]"; what must be given stands without brackets.
+std::string usage(Control const& control) {
+    std::string out(control.name), end;
+    for (ControlParameter const& p : control.parameters) {
+        bool const required = p.range.otherwise == RuleDefault::none;
+        out += fmt::format("{}:{}", required ? "" : "[", p.name);
+        if (!required) end += ']';
+    }
+    return out + end;
+}
+
+size_t numbers_needed(Control const& control) {
+    size_t n = 0;
+    for (size_t i = 0; i < control.parameters.size(); ++i)
+        if (control.parameters[i].range.otherwise == RuleDefault::none) n = i + 1;
+    return n;
+}
+
+double number_of(Control const& control, ControlParameter const& p, std::string const& text) {
+    double x = 0;
+    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
+    auto const& [least, most, positive, otherwise, inverted] = p.range;
+    bool const fits = least <= x && x <= most && !(positive && x == least) && (!p.whole || x == std::floor(x));
+    if (error != std::errc() || end != text.data() + text.size() || !fits)
+        refuse("--control {}: {}: expected a {} {} {}{}{}, found \"{}\"", control.name, p.name,
+               p.whole ? "whole number" : "number", positive ? "above" : "from", least,
+               most < 1e300 ? fmt::format(" to {}", most) : "",
+               error == std::errc::result_out_of_range ? " that double can hold" : "", printable(text));
+    return x;
+}
+
+}  // namespace
+
+void define_composition(CLI::App& command, CompositionArguments& a) {
+    std::vector<std::string> names;
+    for (Control const& control : controls()) names.push_back(usage(control));
+    std::vector<std::string> policies;
+    for (NamedPolicy const& policy : guard_policies) policies.push_back(fmt::format("{} {}", policy.name, policy.what));
+    define(command, {{"--control", a.control, "NAME", named("the name of a control"),
+                      fmt::format("a rule of forgetting around the variant: {}", fmt::join(names, ", "))},
+                     {"--window", a.window, "N", whole(1, 1000000000),
+                      "an estimate from the last N rows: older ones are removed"},
+                     {"--guard", a.guard, "POLICY", named("the name of a guard"),
+                      fmt::format("a guard around the variant, which skips rows that are not finite: {}",
+                                  fmt::join(policies, "; "))}});
+}
+
+std::string control_notes() {
+    std::string out = "Controls, which are rules of forgetting:\n";
+    for (Control const& control : controls()) {
+        std::vector<std::string> starts;
+        for (ControlParameter const& parameter : control.parameters)
+            if (!std::isnan(parameter.start)) starts.push_back(fmt::format("{} {}", parameter.name, parameter.start));
+        out += fmt::format("  {}:  {}{}\n", usage(control), control.what,
+                           starts.empty() ? "" : fmt::format("; default {}", fmt::join(starts, ", ")));
+    }
+    return out;
+}
+
+Composition composition_of(CompositionArguments const& a, double forgetting) {
+    Composition out{.window = a.window, .guard = a.guard};
+    if (!a.guard.empty()) expect_one_of(guard_names(), a.guard, "--guard", "policy");
+    if (!a.control.empty()) {
+        size_t colon = std::min(a.control.find(':'), a.control.size());
+        out.control = a.control.substr(0, colon);
+        std::vector<std::string_view> known;
+        for (Control const& control : controls()) known.push_back(control.name);
+        expect_one_of(known, out.control, "--control", "control");
+        Control const& control = control_named(out.control);
+        std::vector<std::string> texts;
+        while (colon < a.control.size()) {
+            size_t const next = std::min(a.control.find(':', colon + 1), a.control.size());
+            texts.push_back(a.control.substr(colon + 1, next - colon - 1));
+            colon = next;
+        }
+        if (texts.size() > control.parameters.size() || texts.size() < numbers_needed(control))
+            refuse("--control: expected {}, found \"{}\"", usage(control), printable(a.control));
+        for (size_t i = 0; i < control.parameters.size(); ++i)
+            out.parameters.push_back(i < texts.size() ? number_of(control, control.parameters[i], texts[i])
+                                                      : control.parameters[i].start);
+        if (control.below_one && forgetting == 1)
+            refuse("--control {}: expected --forgetting below 1: without it nothing wears the prior down",
+                   control.name);
+    }
+    if (std::string const why = contradiction(out); !why.empty())
+        refuse("{}{}{}do not go together: {}", a.control.empty() ? "" : "--control ", a.window > 0 ? "--window " : "",
+               a.guard.empty() ? "" : "--guard ", why);
+    return out;
 }
 
 }  // namespace rlslab::program

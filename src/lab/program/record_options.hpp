@@ -1,4 +1,4 @@
-// The record that a command works on: a file or an example, its columns and a model.
+// The record that a command works on: a file or an example, its columns and a model; what is composed around variants.
 #pragma once
 
 #include "src/lab/compare/compare.hpp"
@@ -55,8 +55,24 @@ std::span<Example const> examples();
 /// Throws InputError with the names there are.
 Example const& example_named(std::string const& name, std::string const& where);
 
-/// The arguments with the model of their example where they have none of their own. Throws InputError where there are
-/// an example and a FILE.
+/// The arguments with their example's model where they have none of their own. InputError for an example and a FILE.
 RecordArguments with_example(RecordArguments arguments);
+
+// --- what is composed around each variant ---------------------------------------------------------------------------
+
+struct CompositionArguments {
+    std::string control, guard;
+    int window = 0;
+};
+
+/// --control, --window and --guard. `arguments` outlives the command's run.
+void define_composition(CLI::App& command, CompositionArguments& arguments);
+
+/// The controls and what their numbers are, a line each, for the end of a help page.
+std::string control_notes();
+
+/// The composition they describe; a number that follows from the data is NaN. Throws InputError for names and numbers
+/// that make no sense, and for what does not go together. `forgetting` is that of --forgetting.
+Composition composition_of(CompositionArguments const& arguments, double forgetting);
 
 }  // namespace rlslab::program

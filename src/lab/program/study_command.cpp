@@ -1,10 +1,8 @@
 // rlslab study: questions with claims; tables, figures, verdicts, a report. rlslab merge: the same from parts of a run.
-#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/study_options.hpp"
 #include <rlslab/studies/factors.hpp>
 #include <rlslab/studies/journal.hpp>
-#include <rlslab/studies/latex.hpp>
 #include <rlslab/studies/verdicts.hpp>
 
 #include <rlslab/input/suggestion.hpp>
@@ -45,19 +43,17 @@ Record record_in(std::string const& path) {
     std::ifstream file(path, std::ios::binary);
     std::error_code none;
     if (!file || std::filesystem::is_directory(path, none))
-        throw InputError(fmt::format("--against: {}: cannot be read", printable(path, 200)));
+        refuse("--against: {}: cannot be read", printable(path, 200));
     constexpr size_t most = 1 << 24;  // those of the tree have 70 kB
     std::string text(most + 1, '\0');
     file.read(text.data(), std::streamsize(text.size()));
     text.resize(size_t(file.gcount()));
     if (text.size() > most)
-        throw InputError(
-            fmt::format("--against: {}: expected a record of verdicts, found more than 16 MB", printable(path, 200)));
+        refuse("--against: {}: expected a record of verdicts, found more than 16 MB", printable(path, 200));
     try {
         return record_from(text);
     } catch (InputError const& error) {
-        throw InputError(
-            fmt::format("--against: {}: {}", printable(path, 200), printable(std::string(error.what()), 200)));
+        refuse("--against: {}: {}", printable(path, 200), printable(std::string(error.what()), 200));
     }
 }
 
@@ -73,26 +69,25 @@ void resolve(StudyArguments& a) {
     for (std::string const& name : a.names)
         if (std::ranges::find(known, name) == known.end() && known.size() > shown_at_most &&
             did_you_mean(name, known).empty())
-            throw InputError(fmt::format("study: no study \"{}\"; {} list studies shows the {}", printable(name),
-                                         program_name(), known.size()));
+            refuse("study: no study \"{}\"; {} list studies shows the {}", printable(name), program_name(),
+                   known.size());
         else expect_one_of(known, name, "study", "study");
-    if (a.all == !a.names.empty())
-        throw InputError(fmt::format("study: expected the names of studies ({} list), or --all", program_name()));
+    if (a.all == !a.names.empty()) refuse("study: expected the names of studies ({} list), or --all", program_name());
     for (Study const* study : studies::studies())
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) a.chosen.push_back(study);
     a.options.set.clear();
     for (std::string const& text : a.set) {
         FactorValues const values = factor_values_from(text);
         if (std::ranges::find(a.options.set, values.name, &FactorValues::name) != a.options.set.end())
-            throw InputError(fmt::format("--set: factor \"{}\" is set twice", printable(values.name)));
+            refuse("--set: factor \"{}\" is set twice", printable(values.name));
         a.options.set.push_back(values);
     }
     for (Study const* study : a.chosen) factors_of(*study, a.options);  // before anything is written
     for (auto const& [option, file] : {std::pair("--record", &a.record), std::pair("--against", &a.against)})
         if (!file->empty() && (a.options.changed() || !a.part.whole()))
-            throw InputError(fmt::format("{}: does not go with {}", option,
-                                         a.options.changed() ? "--set and --seeds: claims are then not judged"
-                                                             : "--part: a part has no verdicts"));
+            refuse("{}: does not go with {}", option,
+                   a.options.changed() ? "--set and --seeds: claims are then not judged"
+                                       : "--part: a part has no verdicts");
     if (!a.options.changed()) a.known = a.against.empty() ? recorded(a.options.budget) : record_in(a.against);
 }
 
@@ -133,15 +128,6 @@ std::string run_json(StudyArguments const& a) {
     if (!a.set.empty()) out["set"] = a.set;
     if (a.options.seeds > 0) out["seeds"] = a.options.seeds;
     return out.dump(1) + '\n';
-}
-
-int study_part(StudyArguments const& a) {
-    check_part(a);
-    create_folder(a.options.out / ".trials");
-    FolderLock const lock(a.options.out, a.part);
-    note_run(a, run_json(a), "other studies, another budget or seed");
-    tell(part_text(a, run_share(a.chosen, a), fmt::format(" (or {} merge)", program_name()).c_str()));
-    return 0;
 }
 
 /// 1 if a verdict changed against the record, or a verification failed.
@@ -188,7 +174,11 @@ int run_study(StudyArguments& a) {
     resolve(a);
     if (a.describe) return describe(a);
     expect_no_other_run(a.out, "sweep.csv", "sweep");
-    return a.part.whole() ? study_whole(a) : study_part(a);
+    if (a.part.whole()) return study_whole(a);
+    check_part(a);
+    run_one_part(a.chosen, a, run_json(a), "other studies, another budget or seed",
+                 fmt::format(" (or {} merge)", program_name()));
+    return 0;
 }
 
 /// The options of the parts of a run.
@@ -203,12 +193,11 @@ StudyArguments arguments_of(std::string const& run, std::string const& folder, s
         seed.get_to(out.options.seed);
         if (said.contains("set")) said.at("set").get_to(out.set);
         if (said.contains("seeds")) said.at("seeds").get_to(out.options.seeds);
-        if (!seed.is_number_unsigned() || (out.budget != "quick" && out.budget != "full")) throw InputError("");
+        if (!seed.is_number_unsigned() || (out.budget != "quick" && out.budget != "full")) refuse("");
         resolve(out);
     } catch (std::exception const&) {
-        throw InputError(
-            fmt::format("{}/.trials/run.json: expected studies, budget and seed as {} study --part writes them",
-                        printable(folder, 200), program_name()));
+        refuse("{}/.trials/run.json: expected studies, budget and seed as {} study --part writes them",
+               printable(folder, 200), program_name());
     }
     return out;
 }
@@ -218,13 +207,12 @@ int run_merge(MergeArguments const& m) {
     for (std::string const& folder : m.from) {
         std::string const text = noted_run(folder);
         if (text.empty())
-            throw InputError(
-                fmt::format("{}: expected the --out folder of {} study --part, found no .trials/run.json there",
-                            printable(folder, 200), program_name()));
+            refuse("{}: expected the --out folder of {} study --part, found no .trials/run.json there",
+                   printable(folder, 200), program_name());
         if (run.empty()) run = text;
         if (text != run)
-            throw InputError(fmt::format("{}: expected parts of the same run as {}: the same studies, budget and seed",
-                                         printable(folder, 200), printable(m.from.front(), 200)));
+            refuse("{}: expected parts of the same run as {}: the same studies, budget and seed",
+                   printable(folder, 200), printable(m.from.front(), 200));
     }
     StudyArguments const a = arguments_of(run, m.from.front(), m.out);
     merge_parts(a.chosen, a.options, {m.from.begin(), m.from.end()});
@@ -244,10 +232,8 @@ Command study_command(CLI::App& app) {
         "All of them:  {0} study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
         "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a "
-        "finding (ours). It "
-        "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided "
-        "otherwise. "
-        "{2}\n\n"
+        "finding (ours). It holds when its interval over the seeds lies inside its band, fails when it lies outside, "
+        "and is undecided otherwise. {2}\n\n"
         "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could "
         "not be run.",
         program_name(), studies::studies().front()->name,
@@ -297,10 +283,9 @@ Command merge_command(CLI::App& app) {
         "Four machines:  {0} study --all --budget full --part 1/4 --out part1    and so on, to part4\n"
         "Then:           {0} merge part1 part2 part3 part4 --out out\n"
         "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without "
-        "--part makes the "
-        "tables there.\n\n"
-        "Exit code: as of {0} study; 2 if a trial is missing, or the parts are of different programs, studies, "
-        "budgets or seeds.",
+        "--part makes the tables there.\n\n"
+        "Exit code: as of {0} study; 2 if a trial is missing, or the parts are of different programs, studies, budgets "
+        "or seeds.",
         program_name()));
     define(*merging, {OptionRow("DIR", mt->from, "", named("folders"), "the --out folders of the parts").required(),
                       OptionRow("--out", mt->out, "DIR", named("a folder"),

@@ -5,7 +5,6 @@
 #include <rlslab/studies/report.hpp>
 
 #include <rlslab/core/files.hpp>
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/input/text.hpp>
 
 #include <algorithm>
@@ -56,8 +55,7 @@ void convert(std::filesystem::path const& drawing) {
     int status = -1;
     if (posix_spawnp(&child, converter, nullptr, nullptr, const_cast<char* const*>(words), environ) != 0 ||
         waitpid(child, &status, 0) != child || status != 0)
-        throw InputError(
-            fmt::format("--figures pdf: {}: {} made no PDF of it", printable(drawing.string(), 200), converter));
+        refuse("--figures pdf: {}: {} made no PDF of it", printable(drawing.string(), 200), converter);
 }
 
 }  // namespace
@@ -98,8 +96,7 @@ void define_run(CLI::App& command, StudyRun& run, char const* seed_help, char co
 
 void check_part(StudyRun const& run) {
     if (run.fresh)
-        throw InputError(
-            "--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
+        refuse("--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
 }
 
 std::string noted_run(std::string const& folder) {
@@ -107,36 +104,31 @@ std::string noted_run(std::string const& folder) {
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return "";
     if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
-        throw InputError(fmt::format("{}: expected the file that {} study --part writes", printable(path.string(), 200),
-                                     program_name()));
+        refuse("{}: expected the file that {} study --part writes", printable(path.string(), 200), program_name());
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
 void expect_no_other_run(std::string const& folder, char const* file, char const* command) {
     if (std::filesystem::exists(std::filesystem::path(folder) / file))
-        throw InputError(fmt::format("--out {}: holds what {} {} made ({}); expected another folder",
-                                     printable(folder, 200), program_name(), command, file));
+        refuse("--out {}: holds what {} {} made ({}); expected another folder", printable(folder, 200), program_name(),
+               command, file);
 }
 
-void note_run(StudyRun const& run, std::string const& text, char const* others) {
+void run_one_part(std::vector<Study const*> const& chosen, StudyRun const& run, std::string const& text,
+                  char const* others, std::string const& or_merge) {
+    create_folder(run.options.out / ".trials");
+    FolderLock const lock(run.options.out, run.part);
     std::string const before = noted_run(run.out);
     if (!before.empty() && before != text)
-        throw InputError(fmt::format("{}: holds parts of {}; expected another --out, or that run finished",
-                                     printable(run.out, 200), others));
+        refuse("{}: holds parts of {}; expected another --out, or that run finished", printable(run.out, 200), others);
     replace_file(run.options.out / ".trials" / "run.json", text);
-}
-
-Share run_share(std::vector<Study const*> const& chosen, StudyRun const& run) {
     keep_when_stopped(run);
-    return run_part(chosen, run.options, run.part, progress_after_a_second("studying"));
-}
-
-std::string part_text(StudyRun const& run, Share const& share, char const* or_merge) {
-    return fmt::format(
-        "{}: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
-        "--part{} makes the tables\n",
-        program_name(), run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge);
+    Share const share = run_part(chosen, run.options, run.part, progress_after_a_second("studying"));
+    tell(
+        fmt::format("{}: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
+                    "--part{} makes the tables\n",
+                    program_name(), run.part.number, run.part.of, share.own, share.all, share.resumed, or_merge));
 }
 
 std::vector<Outcome> run_whole(std::vector<Study const*> const& chosen, StudyRun const& run) {

@@ -23,15 +23,12 @@ void check_part(StudyRun const& run);
 std::string noted_run(std::string const& folder);
 /// Throws an InputError where the folder holds this file of another command.
 void expect_no_other_run(std::string const& folder, char const* file, char const* command);
-/// Writes that. Throws InputError that the folder holds parts of `others` if another text stands there.
-void note_run(StudyRun const& run, std::string const& text, char const* others);
-/// Runs the trials of run.part; the caller holds the folder's lock.
-studies::Share run_share(std::vector<studies::Study const*> const& chosen, StudyRun const& run);
-/// "part 1 of 4: 12 of 50 trials ..."; `or_merge` follows "the same command without --part".
-std::string part_text(StudyRun const& run, studies::Share const& share, char const* or_merge);
+/// Runs the trials of run.part, and says so; `or_merge` follows "the same command without --part". Writes `text` as what
+/// the parts are of; throws InputError that the folder holds parts of `others` if another text stands there.
+void run_one_part(std::vector<studies::Study const*> const& chosen, StudyRun const& run, std::string const& text,
+                  char const* others, std::string const& or_merge);
 
-/// Runs all trials that are not finished. Writes tables, figures and report.html into run.options.out, whose lock the
-/// caller holds.
+/// Runs all unfinished trials. Writes tables, figures, report.html into run.options.out, whose lock the caller holds.
 std::vector<studies::Outcome> run_whole(std::vector<studies::Study const*> const& chosen, StudyRun const& run);
 
 }  // namespace rlslab::program

@@ -1,11 +1,10 @@
 // rlslab sweep: a study made at run time, over values of forgetting, prior, arithmetic and model order; its command.
-#include "src/lab/program/sweep.hpp"
 #include "src/lab/compare/score.hpp"
 #include "src/lab/program/record_options.hpp"
 #include "src/lab/program/study_options.hpp"
+#include <rlslab/studies/factors.hpp>
 
 #include <rlslab/catalogue/catalogue.hpp>
-#include <rlslab/core/input_error.hpp>
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 #include <rlslab/model/default_prior.hpp>
@@ -26,6 +25,13 @@ using namespace report;
 using namespace studies;
 namespace {
 
+struct Sweep {
+    std::vector<FactorValues> vary;
+    int order = 0;                              ///< of the model that is given; 0: it has none
+    int row_orders = 1;                         ///< the record's, and so many more, less one
+    std::function<Records(int order)> records;  ///< of the model of this order; 0: of the one that is given
+};
+
 /// What the trials share; they only read it.
 struct Given {
     std::map<double, Records> records;                              ///< by model order
@@ -38,7 +44,7 @@ double number_in(std::string const& factor, std::string const& text, char const*
     double value = 0;
     auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value)) return value;
-    throw InputError(fmt::format("--vary {}: expected {}, found \"{}\"", factor, expected, printable(text)));
+    refuse("--vary {}: expected {}, found \"{}\"", factor, expected, printable(text));
 }
 
 Cell value_of(std::string const& factor, std::string const& text) {
@@ -74,7 +80,7 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
         for (std::string const& text : values) {
             Cell const value = value_of(name, text);
             if (std::ranges::find(factor.values, value) != factor.values.end())
-                throw InputError(fmt::format("--vary {}: {} is there twice", name, as_text(value)));
+                refuse("--vary {}: {} is there twice", name, as_text(value));
             factor.values.push_back(value);
         }
     }
@@ -83,7 +89,7 @@ std::vector<Factor> factors_of(Sweep const& sweep, std::vector<std::string>& var
     for (Cell const& name : out[3].values)
         for (CatalogueEntry const* const entry : entries_in(arithmetic_named(std::get<std::string>(name), "")))
             any = any || std::ranges::find(variants, entry->variant) != variants.end();
-    if (!any) throw InputError("--vary: expected a variant that exists in one of the arithmetics");
+    if (!any) refuse("--vary: expected a variant that exists in one of the arithmetics");
     out.back() = {"row_order", {}};
     for (int i = 1; i <= sweep.row_orders; ++i) out.back().values.emplace_back(double(i));
     return out;
@@ -153,8 +159,10 @@ std::vector<Plot> plots_of(std::vector<Factor> const& factors) {
     return out;
 }
 
-}  // namespace
-
+/// One trial for each combination of order, forgetting, prior, arithmetic and row order; in it every variant, against
+/// the certified solution of the problem as that arithmetic stores it, at compare's checkpoints. Other orders of rows
+/// only where forgetting = 1: elsewhere the order is part of the problem. Reads the records of all orders at once. The
+/// caller names the data in Study::source. Throws InputError for an unknown factor, or a value that it cannot have.
 Study study_of(Sweep const& sweep, std::uint64_t seed) {
     auto const given = std::make_shared<Given>();
     std::vector<Factor> const factors = factors_of(sweep, given->variants);
@@ -193,8 +201,6 @@ Study study_of(Sweep const& sweep, std::uint64_t seed) {
 
 // --- the command -----------------------------------------------------------------------------------------------------
 
-namespace {
-
 struct SweepArguments : StudyRun {
     RecordArguments record;
     std::vector<std::string> vary;  // "forgetting=0.9,1"
@@ -210,12 +216,12 @@ Sweep sweep_of(SweepArguments const& a, Provenance& run) {
     for (std::string const& text : a.vary) {
         FactorValues const values = factor_values_from(text, "--vary");
         if (std::ranges::find(out.vary, values.name, &FactorValues::name) != out.vary.end())
-            throw InputError(fmt::format("--vary: factor \"{}\" is there twice", printable(values.name)));
+            refuse("--vary: factor \"{}\" is there twice", printable(values.name));
         orders = orders || values.name == "order";
         out.vary.push_back(values);
     }
     if (orders && (a.record.order || a.record.na >= 0 || a.record.nb >= 0 || !given.regressors.empty()))
-        throw InputError("--vary order: does not go with --order, --na, --nb or --regressors");
+        refuse("--vary order: does not go with --order, --na, --nb or --regressors");
     out.records = [given, &run, columns = std::make_shared<std::optional<Columns>>()](int order) {
         RecordArguments record = given;
         if (order > 0) record.order = order;
@@ -240,7 +246,7 @@ int run_sweep(SweepArguments& a) {
     a.options.out = a.out;
     a.options.budget = Budget::full;
     if (!a.part.whole()) check_part(a);
-    if (!a.part.whole() && !a.from.empty()) throw InputError("--from: does not go with --part");
+    if (!a.part.whole() && !a.from.empty()) refuse("--from: does not go with --part");
     expect_no_other_run(a.out, "verdicts.json", "study");
     Provenance run{.command = this_run(false).command};
     Study study = study_of(sweep_of(a, run), a.options.seed);
@@ -249,16 +255,10 @@ int run_sweep(SweepArguments& a) {
     std::string const text = run_json(run);
     for (std::string const& folder : a.from)
         if (noted_run(folder) != text)
-            throw InputError(
-                fmt::format("--from {}: expected a folder with parts of this sweep", printable(folder, 200)));
+            refuse("--from {}: expected a folder with parts of this sweep", printable(folder, 200));
     if (!a.from.empty()) merge_parts({&study}, a.options, {a.from.begin(), a.from.end()});
+    if (!a.part.whole()) return run_one_part({&study}, a, text, "another sweep, of other data, or of studies", ""), 0;
     create_folder(a.options.out / ".trials");
-    if (!a.part.whole()) {
-        FolderLock const lock(a.options.out, a.part);
-        note_run(a, text, "another sweep, of other data, or of studies");
-        tell(part_text(a, run_share({&study}, a), ""));
-        return 0;
-    }
     FolderLock const lock(a.options.out);
     std::vector<Outcome> const outcomes = run_whole({&study}, a);
     if (noted_run(a.out) == text) std::filesystem::remove(a.options.out / ".trials" / "run.json");  // its parts are in

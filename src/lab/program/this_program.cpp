@@ -1,7 +1,6 @@
 // rlslab's command line: what it is for, its commands, and those of them that are a few lines.
 #include "src/lab/export/export.hpp"
 #include "src/lab/program/bibliography.hpp"
-#include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/record_options.hpp"
 
@@ -74,8 +73,7 @@ Command state_command(CLI::App& app) {
     c->footer(
         "Example:  rlslab state controller.state\n\n"
         "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of "
-        "forgetting), and "
-        "their editions, options and counts of rows. C++ reads and writes such files with "
+        "forgetting), and their editions, options and counts of rows. C++ reads and writes such files with "
         "<rlslab/state/state_file.hpp>.\n\n"
         "Exit code: 0 a state; 2 a file that cannot be read, is no state, or is damaged.");
     c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
@@ -98,10 +96,9 @@ bool is_name_of_c(std::string_view name) {
         " alignas alignof and asm auto bitand bitor bool break case catch char class compl const constexpr continue "
         "decltype default delete do double double_t else enum EOF explicit export extern false float float_t for "
         "friend goto if inline int int8_t int16_t int32_t int64_t linux long main memcmp memcpy memset mutable "
-        "namespace new noexcept not NULL nullptr operator or private protected public register restrict return "
-        "short signed size_t sizeof sqrt sqrtf static struct switch template this thread_local throw true try "
-        "typedef typeid typename typeof uint8_t uint16_t uint32_t uint64_t union unix unsigned using virtual void "
-        "volatile while xor ";
+        "namespace new noexcept not NULL nullptr operator or private protected public register restrict return short "
+        "signed size_t sizeof sqrt sqrtf static struct switch template this thread_local throw true try typedef typeid "
+        "typename typeof uint8_t uint16_t uint32_t uint64_t union unix unsigned using virtual void volatile while xor ";
     if (taken.find(fmt::format(" {} ", name)) != taken.npos) return false;
     auto const letter = [](char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z'); };
     return !name.empty() && name.size() <= 31 && letter(name.front()) &&
@@ -118,13 +115,12 @@ int run_export(ExportOptions const& o) {
     expect_one_of(exporting::exported_variants(), o.variant, "--variant", "variant that is exported");
     expect_one_of({"float", "double"}, o.arithmetic, "--arithmetic", "arithmetic");
     if (!exporting::is_exported(o.variant, o.arithmetic == "double"))
-        throw InputError(fmt::format("{} in {}: expected double, it sums in double there", o.variant, o.arithmetic));
+        refuse("{} in {}: expected double, it sums in double there", o.variant, o.arithmetic);
     std::string const own = fmt::format("{}_{}_{}", o.variant, o.size, o.arithmetic),
                       name = o.name.empty() ? own : o.name;
     if (!is_name_of_c(name))
-        throw InputError(
-            fmt::format("--name: expected a letter, then letters, digits and _, 31 at most, no keyword, found \"{}\"",
-                        printable(name)));
+        refuse("--name: expected a letter, then letters, digits and _, 31 at most, no keyword, found \"{}\"",
+               printable(name));
     std::string made_by =
         fmt::format("rlslab export c --variant {} --size {} --arithmetic {}", o.variant, o.size, o.arithmetic);
     if (name != own) made_by += " --name " + name;

@@ -59,8 +59,7 @@ Axis::Axis(Range range, bool logarithmic, double padding) : logarithmic_(logarit
     double const largest = std::max(std::abs(range.low), std::abs(range.high));
     if (!logarithmic && largest > 0) std::frexp(largest, &exponent_);
     low_ = coordinate(range.low), high_ = coordinate(range.high);
-    // Between numbers that agree to twelve digits no two ticks would have different labels: they are drawn as one
-    // number.
+    // Between numbers that agree to twelve digits no two ticks would have different labels: they are drawn as one.
     double const middle = (low_ + high_) / 2;
     if (high_ - low_ < (logarithmic ? 1e-9 : 1e-12 * std::abs(middle)) || low_ == high_) {
         double const around = logarithmic ? 0.5 : middle == 0 ? 1 : 0.1 * std::abs(middle);
@@ -105,8 +104,7 @@ Ticks Axis::linear(int about) const {
     return out;
 }
 
-/// Less than a decade between the ends: 1 ... 9 times a power of ten if three of them are inside, else as on a linear
-/// axis.
+/// Less than a decade between the ends: 1 ... 9 times a power of ten if three are inside, else as on a linear axis.
 Ticks Axis::within_a_decade(int about) const {
     Ticks out;
     std::vector<int> digits;

@@ -21,7 +21,6 @@ Cells cells_of(Figure const& figure, Panel const& panel) {
     }
     std::ranges::sort(out.places);
     out.places.erase(std::unique(out.places.begin(), out.places.end()), out.places.end());
-    for (double const place : out.places) out.x.add(place);
     return out;
 }
 

@@ -1,5 +1,4 @@
-// Lines, bands, bars, marks. What lies outside the panel is cut off here, not by the viewer: a file holds what it
-// shows.
+// Lines, bands, bars, marks. What lies outside the panel is cut off here, not by the viewer: a file has what it shows.
 #include "src/lab/report/plot.hpp"
 #include "src/lab/report/svg.hpp"
 
@@ -218,6 +217,22 @@ std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, 
     return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look, curve.strong ? 1.8 : 1.3), out);
 }
 
+/// Whether a line or a mark of a curve is in this box.
+bool covered(Panel const& panel, Axes const& axes, Box const& box) {
+    for (Curve const& curve : panel.curves) {
+        std::optional<Point> before;
+        for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
+            auto const at = mark_place(panel, curve, i, axes);
+            if (at && box.holds(at->x, at->y)) return true;
+            if (Point a = before.value_or(Point{}), b = at.value_or(Point{});
+                at && before && curve.line && clip(a, b, box))
+                return true;
+            before = at;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
 std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i, Axes const& axes) {
@@ -284,24 +299,6 @@ std::string curve_group(Figure const& figure, Panel const& panel, Curve const& c
                        out);
 }
 
-namespace {
-/// Whether a line or a mark of a curve is in this box.
-bool covered(Panel const& panel, Axes const& axes, Box const& box) {
-    for (Curve const& curve : panel.curves) {
-        std::optional<Point> before;
-        for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
-            auto const at = mark_place(panel, curve, i, axes);
-            if (at && box.holds(at->x, at->y)) return true;
-            if (Point a = before.value_or(Point{}), b = at.value_or(Point{});
-                at && before && curve.line && clip(a, b, box))
-                return true;
-            before = at;
-        }
-    }
-    return false;
-}
-}  // namespace
-
 std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes) {
     if (!axes.x.shows(event.x)) return "";
     double const x = axes.x(event.x);
@@ -336,8 +333,7 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
         double const y = std::clamp(axes.y(event.y), box.top, box.bottom);
         out = fmt::format(
             "<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" "
-            "fill=\"{2}\"/>"
-            "<title>{4}</title>",
+            "fill=\"{2}\"/><title>{4}</title>",
             fixed(x), fixed(y), look.colour, mark_path("x", x, y), escaped_xml(event.text));
     }
     return fmt::format("<g class=\"s event\" data-s=\"{}\">{}</g>\n", series, out);

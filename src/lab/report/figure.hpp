@@ -1,5 +1,4 @@
-// A figure as data: which curves, from which numbers, in which looks. svg.hpp draws it; nothing here knows what it
-// shows.
+// A figure as data: curves, their numbers, their looks. svg.hpp draws it; nothing here knows what it shows.
 #pragma once
 
 #include <rlslab/core/family.hpp>
@@ -15,10 +14,10 @@ namespace rlslab::report {
 /// How a series looks, in every figure: colours of Okabe and Ito, told apart with any kind of colour vision, and for
 /// those who see none, or print, a mark and a dash.
 struct Look {
-    std::string colour;  ///< #rrggbb
+    std::string colour = {};  ///< #rrggbb
     bool dashed = false;
-    std::string mark =
-        {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
+    /// circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
+    std::string mark = {};
 };
 /// Of a variant by its family; of anything else by its place among the others.
 Look look_of(std::optional<Family> const& family, size_t place);
@@ -27,8 +26,8 @@ Look look_of(std::optional<Family> const& family, size_t place);
 /// axis, the point is left out and the line is broken.
 struct Curve {
     std::string name;
-    Look look;
-    std::vector<double> x, y;
+    Look look = {};
+    std::vector<double> x = {}, y = {};
     std::vector<double> lower = {}, upper = {};  ///< an interval about each y, drawn where it is not y itself; or empty
     std::vector<std::string> row = {};           ///< cells: what each stands at along the other axis
     bool marks = true, line = true;
@@ -38,8 +37,7 @@ struct Curve {
     bool strong = false;  ///< thicker and over the others, which are lighter in a panel that has such a curve
 };
 
-/// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line with its text at the
-/// top.
+/// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line, its text at the top.
 struct Event {
     double x, y = std::numeric_limits<double>::quiet_NaN();
     std::string text;
@@ -48,12 +46,13 @@ struct Event {
 
 struct Panel {
     std::string name;
-    std::vector<Curve> curves, guides;  ///< guides: to compare with; cut off where they leave the curves' range
+    std::vector<Curve> curves = {},
+                       guides = {};  ///< guides: to compare with; cut off where they leave the curves' range
     std::vector<Event> events = {};
     bool log_y = false;  ///< besides the figure's; for a figure with own_y
-    double y_least =
-        -std::numeric_limits<double>::infinity();  ///< the axis ends here: a triangle at its lower edge stands for less
-    std::vector<double> y_holds = {};              ///< besides the figure's
+    /// The axis ends here: a triangle at its lower edge stands for less.
+    double y_least = -std::numeric_limits<double>::infinity();
+    std::vector<double> y_holds = {};  ///< besides the figure's
 };
 
 struct Figure {
@@ -61,7 +60,7 @@ struct Figure {
     std::string title, x, y;
     bool log_x = false, log_y = false;
     bool cells = false;  ///< y is the shade in [0, 1], `series` what stands along y; the panel's first curve
-    std::vector<Panel> panels;
+    std::vector<Panel> panels = {};
     std::string series = {};
     bool square = false;                    ///< a unit is as long along x as along y
     bool own_y = false;                     ///< each panel has its own range of y

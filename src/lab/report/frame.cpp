@@ -16,6 +16,7 @@ std::string tspans(Tick const& tick) {
     if (tick.power.empty()) return escaped_xml(tick.text);
     return fmt::format("{}<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", escaped_xml(tick.text), tick.power);
 }
+std::string power_note(int power) { return tspans({0, "×10", tick_text(fmt::format("{}", power))}); }
 
 // --- ranges ----------------------------------------------------------------------------------------------------------
 
@@ -104,8 +105,7 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 
-    // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the
-    // labels.
+    // The labels decide the margins; where both axes have one unit, these decide the ranges, and those the labels.
     Frame out{.axes = {x, y, {}},
               .left = {},
               .bottom = {},
@@ -163,14 +163,6 @@ std::string grid_group(Figure const& figure, Frame const& frame) {
             fmt::format("<path d=\"M{} {}H{}\" stroke=\"#b5b5b5\"/>\n", fixed(box.left), fixed(y(0)), fixed(box.right));
     return out;
 }
-
-namespace {
-std::string power_note(int power) {
-    return power == 0 ? ""
-                      : fmt::format("×10<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>",
-                                    tick_text(fmt::format("{}", power)));
-}
-}  // namespace
 
 std::string labels_group(Frame const& frame, double height) {
     auto const& [x, y, box] = frame.axes;

@@ -5,7 +5,6 @@
 #include "src/lab/report/provenance.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -39,8 +38,7 @@ bool drawn(Figure const& figure, std::string const& name) {
     return false;
 }
 
-/// The numbers of the series as a legend beside a single panel lists them: from the top down as they stand at the end
-/// of their lines.
+/// The series' numbers as a legend beside a single panel lists them: from the top down as their lines end.
 std::vector<size_t> from_the_top(std::vector<Curve const*> const& legend) {
     std::vector<size_t> out(legend.size());
     std::iota(out.begin(), out.end(), 0);
@@ -59,6 +57,21 @@ bool strong(Figure const& figure, std::string const& name) {
         return std::ranges::any_of(panel.curves,
                                    [&](Curve const& curve) { return curve.strong && curve.name == name; });
     });
+}
+
+/// White space in LaTeX is one space, however long.
+bool same_formula(std::string_view a, std::string_view b) {
+    auto const white = [](char c) { return c == ' ' || c == '\n' || c == '\t'; };
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (white(a[i]) != white(b[j]) || (!white(a[i]) && a[i] != b[j])) return false;
+        if (!white(a[i])) ++i, ++j;
+        else {
+            while (i < a.size() && white(a[i])) ++i;
+            while (j < b.size() && white(b[j])) ++j;
+        }
+    }
+    return i == a.size() && j == b.size();
 }
 }  // namespace
 
@@ -106,23 +119,6 @@ std::string figure_html(Figure const& figure) {
     return out + "</div></figure>\n";
 }
 
-namespace {
-/// White space in LaTeX is one space, however long.
-bool same_formula(std::string_view a, std::string_view b) {
-    auto const white = [](char c) { return c == ' ' || c == '\n' || c == '\t'; };
-    size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (white(a[i]) != white(b[j]) || (!white(a[i]) && a[i] != b[j])) return false;
-        if (!white(a[i])) ++i, ++j;
-        else {
-            while (i < a.size() && white(a[i])) ++i;
-            while (j < b.size() && white(b[j])) ++j;
-        }
-    }
-    return i == a.size() && j == b.size();
-}
-}  // namespace
-
 /// LaTeX and MathML of each formula that the program's sources mark as R"tex(...)tex"; the last row is null. Written by
 /// src/lab/report/formulas.lua, or src/lab/report/no_formulas.cpp.
 extern char const* const formulas[][2];
@@ -161,8 +157,7 @@ extern char const* const page_script;
 std::string page(std::string_view title, std::string_view body) {
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-        "content=\"width=device-width, "
-        "initial-scale=1\">\n"
+        "content=\"width=device-width, initial-scale=1\">\n"
         "<title>{}</title>\n<style>\n{}</style></head><body>\n{}<script>\n{}</script>\n</body></html>\n",
         escaped(title), page_style, body, page_script);
 }
@@ -207,20 +202,19 @@ std::string as_html(Provenance const& of) {
     return out + "</p></footer>\n";
 }
 
+std::string in_quotes(std::string const& text) {
+    std::string out = "'";
+    for (char const c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + '\'';
+}
+
 std::string shell_text(std::vector<std::string> const& words) {
     std::string out;
     for (std::string const& word : words) {
         bool const plain = !word.empty() && word.find_first_not_of(
                                                 "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                                 "0123456789_-+=./,:@%") == word.npos;
-        out += out.empty() ? "" : " ";
-        if (plain) {
-            out += word;
-            continue;
-        }
-        out += '\'';
-        for (char const c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        out += '\'';
+        out += (out.empty() ? "" : " ") + (plain ? word : in_quotes(word));
     }
     return out;
 }

@@ -1,6 +1,5 @@
 // A page: one HTML file that opens offline and loads nothing. Figures are drawn by svg.hpp, formulas are MathML where
-// pandoc was there when the program was built. What is interactive needs a browser with JavaScript; everything is there
-// without.
+// pandoc was there when the program was built. What is interactive needs JavaScript; everything is there without.
 #pragma once
 
 #include "src/lab/report/figure.hpp"

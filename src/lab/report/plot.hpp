@@ -50,15 +50,13 @@ std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i
 /// A curve: its band or bars, its line, its marks with tooltips; nothing outside the box.
 std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide,
                         Axes const& axes);
-/// Events, drawn over the curves. The text of an upright line stands at the end and on the side where no curve is, if
-/// there is such a place.
+/// Events, drawn over the curves. An upright line's text stands at an end and on a side without a curve, if any is.
 std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes);
 
 /// Cells of a heat map; they meet halfway between their places.
 struct Cells {
     std::vector<std::string> rows;  ///< from the bottom
     std::vector<double> places;     ///< along x, ascending
-    Range x;                        ///< with the outer edges
 };
 
 /// A panel's axes with their labels.

@@ -1,12 +1,20 @@
 // The run that a result is from, as each JSON file, each CSV file and each page says it.
 #pragma once
 
-#include "src/lab/report/revision.hpp"
-
 #include <string>
 #include <vector>
 
 namespace rlslab::report {
+
+// The revision of the tree and the compiler that built the program; every result is stored with them.
+
+/// Of the project: "0.2.0".
+extern char const* const version;
+/// `git describe` of the tree when it was built, or what -DRLSLAB_REVISION= said, or an archive of git's; "of no
+/// repository" where none is known. src/cmake/revision.cmake writes the file that defines all three.
+extern char const* const revision;
+/// Name, version, kind of build, and the option that keeps rounding as written.
+extern char const* const compiler;
 
 /// What is empty is left out.
 struct Provenance {
@@ -27,6 +35,8 @@ std::string as_comments(Provenance const& of);
 /// The foot of a page.
 std::string as_html(Provenance const& of);
 
+/// Text in single quotes, for a shell.
+std::string in_quotes(std::string const& text);
 /// A command line as a shell reads it: words that need quotes have them.
 std::string shell_text(std::vector<std::string> const& words);
 /// The time now: "2026-11-24T21:18:05Z".

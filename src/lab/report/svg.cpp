@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fmt/format.h>
 #include <functional>
 #include <map>
@@ -71,10 +70,6 @@ std::string description(Figure const& figure, Panel const& panel) {
     out.back() = '.';
     return out;
 }
-
-}  // namespace
-
-namespace {
 
 // One colour a family of variants; mark and dash by the place in it.
 constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};

@@ -12,8 +12,8 @@ namespace rlslab {
 struct Records {
     Matrix<double> psi;  ///< d x N: column k is psi_k, contiguous
     Vector<double> y;    ///< N
-    std::vector<std::string>
-        names;  ///< d: of the parameters from arx_records() ("a1", "b0"), else of the regressors ("-y[k-1]", "1")
+    /// d: of the parameters from arx_records() ("a1", "b0"), else of the regressors ("-y[k-1]", "1").
+    std::vector<std::string> names = {};
     Index skipped = 0;      ///< rows left out because a value they need was missing
     Index presample = 0;    ///< rows at the start without the history a regressor needs; not among skipped
     std::string file = {};  ///< named in messages; "": none is

@@ -1,5 +1,7 @@
-// The progress of a long computation, and its words.
+// What people read while something takes long, and where their words or data cannot be used.
 #pragma once
+
+#include <rlslab/core/input_error.hpp>
 
 #include <fmt/format.h>
 #include <functional>
@@ -7,6 +9,12 @@
 #include <string_view>
 
 namespace rlslab::report {
+
+/// Throws InputError with this message.
+template <class... Values>
+[[noreturn]] void refuse(fmt::format_string<Values...> message, Values&&... values) {
+    throw InputError(fmt::format(message, std::forward<Values>(values)...));
+}
 
 /// Called with the fraction that is done, in (0, 1], by one thread at a time.
 using Progress = std::function<void(double)>;
