@@ -127,9 +127,7 @@ Statistic over_bound(std::string const& y) {
 Judge against_qr(std::string const& y, double from, double to) {
     std::vector<Judge> out;
     for (std::string const& variant : sweeps) {
-        Statistic const ratio([=](Table const& seed) {
-            return median(seed.where("variant", variant).numbers(y)) / median(seed.where("variant", "qr").numbers(y));
-        });
+        Statistic const ratio = median(y).on(some({variant})) / median(y).on(some({"qr"}));
         out.push_back(labelled(variant, within(where("data", "pair first"), {}, ratio, from, to)));
     }
     return together(out);
@@ -279,8 +277,8 @@ extern Study const backward_error{
                       slopes(P0_of_kappa.where("kappa", below(2e5)), {"information"}, "kappa", "eta_P", 0.9, 1.1)),
          own_result("set before the run (B7)")},
         {"B7: information, P0 = kappa^2: the backward error of P is 0.1 u kappa, to a factor of 3",
-         within(P0_of_kappa.where("variant", "information"), {"data", "kappa"},
-                Statistic([](Table const& r) { return r.number("eta_P") / r.number("kappa"); }), 0.1 / 3, 0.3),
+         within(P0_of_kappa.where("variant", "information"), {"data", "kappa"}, number("eta_P") / number("kappa"),
+                0.1 / 3, 0.3),
          own_result("a factor of 3, set before the run (B7)")},
         {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each "
          "of the data",

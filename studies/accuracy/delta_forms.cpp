@@ -294,9 +294,8 @@ Selection of(std::string const& regime, std::vector<std::string> const& rows) {
 Selection const long_memory = of("float 0.9999", white_or_line);
 /// Digits of `column` that `form` keeps more than `other`.
 Statistic more_digits(std::string form, std::string other, std::string column = "covariance") {
-    return [=](Table const& t) {
-        return correctly::log10(t.where("form", other).number(column) / t.where("form", form).number(column));
-    };
+    Statistic const ratio = number(column).on(where("form", other)) / number(column).on(where("form", form));
+    return [=](Table const& t) { return correctly::log10(ratio(t)); };
 }
 Judge gains(Selection const& rows, std::vector<std::string> const& forms, double from, double to,
             std::string const& column = "covariance") {

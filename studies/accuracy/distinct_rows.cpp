@@ -277,18 +277,18 @@ Selection cycles(double period, double d) {
     return of("ud_delta", "nearest").where("rows", Cell("every row")).where("period", period).where("d", d);
 }
 /// The geometric mean of a column over a seed's rows.
-double geometric(Table const& t, std::string const& column) {
-    double sum = 0;
-    std::vector<double> const all = t.numbers(column);
-    for (double const x : all) sum += correctly::log(x);
-    return correctly::exp(sum / double(all.size()));
-}
-Statistic const over_law([](Table const& t) { return geometric(t, "ratio"); });
-/// The error of the rows that `column` calls `one`, over that of those called `other`.
-Statistic between_cells(std::string column, char const* one, char const* other) {
+Statistic geometric(std::string column) {
     return [=](Table const& t) {
-        return geometric(t.where(column, Cell(one)), "error") / geometric(t.where(column, Cell(other)), "error");
+        double sum = 0;
+        std::vector<double> const all = t.numbers(column);
+        for (double const x : all) sum += correctly::log(x);
+        return correctly::exp(sum / double(all.size()));
     };
+}
+Statistic const over_law = geometric("ratio");
+/// `of` the rows that `column` calls `one`, over that of those called `other`.
+Statistic between_cells(std::string column, char const* one, char const* other, char const* of = "error") {
+    return geometric(of).on(where(column, one)) / geometric(of).on(where(column, other));
 }
 Selection of_form(char const* form) { return where("form", Cell(form)); }
 Words const repeated{"period 4", "period 16", "period 64", "period 256"}, met{"phasors", "prbs", "means"},
@@ -409,13 +409,8 @@ c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
                     between_cells("rounding", "bit", "nearest"), 0.4, 0.6),
              set_before, 0.7},
             {"to nearest over stochastically, period 4 to 256: 0.6 to 1.5 times sqrt(m / min(T, 2 m))",
-             within(of_form("ud_delta").where("rows", repeated), {"memory"}, Statistic([](Table const& t) {
-                        auto const ratio = [&](char const* rounding, char const* column) {
-                            return geometric(t.where("rounding", Cell(rounding)), column);
-                        };
-                        return ratio("nearest", "ratio") / ratio("stochastic", "ratio");
-                    }),
-                    0.6, 1.5),
+             within(of_form("ud_delta").where("rows", repeated), {"memory"},
+                    between_cells("rounding", "nearest", "stochastic", "ratio"), 0.6, 1.5),
              set_before_seen, 0.6},
             {"rows that determine each parameter, to nearest: ud_delta has 0.5 to 1.5 times its law at each period of "
              "white rows",

@@ -94,8 +94,8 @@ Statistic less(std::string column, std::function<double(Table const&)> law) {
 }
 /// What rows 2^3 times as large cost symmetric.
 Judge costs(std::string const& column, double from, double to) {
-    Statistic const cost = of_each_seed(
-        [=](Table const& g) { return g.where("shift", 0.0).number(column) - g.where("shift", 3.0).number(column); });
+    Statistic const bits = number(column),
+                    cost = of_each_seed(bits.on(where("shift", 0.0)) - bits.on(where("shift", 3.0)));
     return within(some({"symmetric"}).where("d", 4.0), {"pole", "lambda"}, cost, from, to);
 }
 Statistic const ends_by_a_zero_pivot{[](Table const& seed) {
@@ -197,8 +197,7 @@ extern Study const fixed_point{
          own_result("docs/theory.md 66, set before the run")},
         {"sums that are exact until stored save 0 to 2 bits behind the point against products that are rounded "
          "(symmetric, ud, qr)",
-         within(of_unit_rows({"symmetric", "ud", "qr"}), by_data,
-                less("fraction_rounded", [](Table const& r) { return r.number("fraction"); }), 0, 2),
+         within(of_unit_rows({"symmetric", "ud", "qr"}), by_data, less("fraction_rounded", number("fraction")), 0, 2),
          own_result("docs/theory.md 65, set before the run")},
         {"X4: qr, rows of variance 1: log2 1/(1 - lambda) + 1 to 4 bits behind the point, whatever the colour",
          within(of_unit_rows({"qr"}), by_data, less("fraction", memory), 1, 4),
@@ -230,8 +229,8 @@ extern Study const fixed_point{
          own_result("docs/theory.md 66, set before the run")},
         {"theta's noise from rounding is that of one rounding of K e: within a factor of 1.25 of the law "
          "(symmetric, ud; white rows)",
-         within(some({"symmetric", "ud"}).where("pole", 0.0), by_data,
-                of_each_seed([](Table const& r) { return r.number("theta_noise"); }), 1 / 1.25, 1.25),
+         within(some({"symmetric", "ud"}).where("pole", 0.0), by_data, of_each_seed(number("theta_noise")), 1 / 1.25,
+                1.25),
          own_result("docs/theory.md 66, set before the run")},
         {"in words of 32 bits, rows in [-1, 1), every dense variant survives most runs but conventional and kalman",
          everywhere(

@@ -236,10 +236,7 @@ Judge ratio(Selection rows, char const* column, char const* by, Cell a, Cell b, 
     return if_there(std::move(rows), [=](Table const& t) {
         if (t.where(by, a).empty() || t.where(by, b).empty())
             return Judgement{Verdict::undecided, "not in this budget"};
-        Statistic const of_seed([=](Table const& r) {
-            return median(r.where(by, a).numbers(column)) / median(r.where(by, b).numbers(column));
-        });
-        return within(t, {}, of_seed, from, to);
+        return within(t, {}, median(column).on(where(by, a)) / median(column).on(where(by, b)), from, to);
     });
 }
 

@@ -193,7 +193,7 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
 }
 
 Selection of(std::string const& signal) { return where("signal", signal); }
-Statistic const later = [](Table const& t) { return mean("measured")(t) - mean("predicted")(t); };
+Statistic const later = mean("measured") - mean("predicted");
 /// Those of one filter, if rows count as independent.
 Judgement alarms_of_c_6(Table const& t) {
     double hits = 0;
@@ -201,7 +201,7 @@ Judgement alarms_of_c_6(Table const& t) {
     return proportion(size_t(hits + 0.5), t.rows().size() * size_t(far), 0, 1e-4);
 }
 /// The mean of what was measured over what was predicted: a ratio of means, since a seed may have measured 0.
-Statistic const over_predicted([](Table const& t) { return mean("measured")(t) / mean("predicted")(t); });
+Statistic const over_predicted = mean("measured") / mean("predicted");
 
 }  // namespace
 

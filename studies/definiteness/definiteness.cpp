@@ -184,8 +184,7 @@ extern Study const definiteness{
         {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln "
          "lambda at the latest, within 10 %",
          within(ends.where("variant", "conventional"), {"arithmetic", "hardness"},
-                Statistic([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); }), 0,
-                1.1),
+                greatest("latest") / antisymmetric_law, 0, 1.1),
          own_result("docs/theory.md 37")},
         {"at kappa_P = 4/u every other covariance form and information lose it in at least half of the runs, in "
          "every arithmetic",

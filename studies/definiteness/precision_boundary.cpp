@@ -104,9 +104,7 @@ double sum(Table const& row, Table const&) {
     return correctly::log2(2 * correctly::exp2(row.number("log2_memory")) +
                            16 * correctly::exp2(row.number("log2_kappa_P")));
 }
-Statistic const change_with_pole = [](Table const& g) {
-    return mean("bits")(g.where("pole", 0.99)) - mean("bits")(g.where("pole", 0.0));
-};
+Statistic const change_with_pole = mean("bits").on(where("pole", 0.99)) - mean("bits").on(where("pole", 0.0));
 
 }  // namespace
 

@@ -298,13 +298,11 @@ Selection priors(char const* rows, double from, double to) {
 Selection in_float(char const* rows, double from, double to) {
     return priors(rows, from, to).where("word", Cell("float"));
 }
-/// `number` of the rows with the one value of `column` over that of the other, on the same data, in each setting.
-Judge over(Selection const& rows, std::string column, std::string one, std::string other, std::string number,
-           double from, double to) {
-    Statistic const ratio([=](Table const& t) {
-        return t.where(column, Cell(one)).number(number) / t.where(column, Cell(other)).number(number);
-    });
-    return within(rows, {"d", "k", "c2"}, ratio, from, to);
+/// `of` the rows with the one value of `column` over that of the other, on the same data, in each setting.
+Judge over(Selection const& rows, std::string column, std::string one, std::string other, std::string of, double from,
+           double to) {
+    Statistic const x = number(of);
+    return within(rows, {"d", "k", "c2"}, x.on(where(column, one)) / x.on(where(column, other)), from, to);
 }
 Basis const set_before = own_result("set before any run, after runs of numpy and of a GPU on other rows");
 Basis const narrowed = own_result("set before any run; d = 256, which has one c^2, was taken out after the first");
@@ -398,7 +396,7 @@ P - KF' - FK',\ F = G - \tfrac12 KS &: \quad \delta P = \delta K\,S\,\delta K' /
              0.4},
             {"float, kappa = 10: P - K G' by Cholesky errs by 0.01 to 1 times u c^2 sqrt(d) / |P|",
              within(ten("cholesky", "float").where("c2", at_most(1024)), {"d", "k", "c2"},
-                    Statistic([](Table const& t) { return t.number("P") / t.number("scale"); }), 0.01, 1),
+                    number("P") / number("scale"), 0.01, 1),
              set_before, 0.4},
             {"float, 40 memories of lambda = 63/64: P - K G' with one product for both sides ends indefinite, for most "
              "seeds",

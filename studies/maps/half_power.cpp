@@ -157,10 +157,9 @@ Study const half_power{
              "median: a factor does not pay for the prior",
              [](Table const& t) {
                  Table const rows = of(t.where("basis", Cell("rotated")).where("kappa", 300.0), "ud_delta");
-                 Statistic const ratio([](Table const& r) {
-                     return r.where("c2", 1048576.0).number("eta") / r.where("c2", 1024.0).number("eta");
-                 });
-                 return within(rows, {"d", "lambda"}, ratio, 0.5, 2);
+                 Statistic const eta = number("eta");
+                 return within(rows, {"d", "lambda"}, eta.on(where("c2", 1048576.0)) / eta.on(where("c2", 1024.0)), 0.5,
+                               2);
              },
              seen(), 0.3},
         },

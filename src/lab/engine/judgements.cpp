@@ -71,8 +71,8 @@ Statistic fit(std::string x, double (*of_x)(double), std::string y, double (*of_
     return {[=](Table const& table) { return Line(table, x, of_x, y, of_y).slope(); },
             [=](Table const& table) { return Line(table, x, of_x, y, of_y).bounds(); }};
 }
-bool has_nan(std::vector<double> const& v) {
-    return std::ranges::any_of(v, [](double x) { return x != x; });
+bool is_empty_or_has_nan(std::vector<double> const& v) {
+    return v.empty() || std::ranges::any_of(v, [](double x) { return x != x; });
 }
 double as_it_is(double x) { return x; }
 double log_10(double x) { return correctly::log10(x); }
@@ -92,6 +92,9 @@ double median(std::vector<double> values) {
     return values.size() % 2 ? values[middle] : values[middle - 1] / 2 + values[middle] / 2;
 }
 
+Statistic number(std::string column) {
+    return [=](Table const& table) { return table.number(column); };
+}
 Statistic mean(std::string column) {
     return of_column(
         std::move(column),
@@ -106,13 +109,13 @@ Statistic median(std::string column) { return of_column(std::move(column), &medi
 Statistic least(std::string column) {
     return of_column(
         std::move(column),
-        [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); },
+        [](std::vector<double> v) { return is_empty_or_has_nan(v) ? std::nan("") : std::ranges::min(v); },
         Estimate::most);
 }
 Statistic greatest(std::string column) {
     return of_column(
         std::move(column),
-        [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
+        [](std::vector<double> v) { return is_empty_or_has_nan(v) ? std::nan("") : std::ranges::max(v); },
         Estimate::most);
 }
 Statistic ratio_of_errors(std::string variant, std::string other) {
@@ -149,6 +152,15 @@ Statistic Statistic::over(std::string replicate) const {
     Statistic out = *this;
     out.replicate_ = std::move(replicate);
     return out;
+}
+Statistic Statistic::on(Selection rows) const {
+    return [of = *this, rows](Table const& table) { return of(rows(table)); };
+}
+Statistic operator-(Statistic a, Statistic b) {
+    return [=](Table const& table) { return a(table) - b(table); };
+}
+Statistic operator/(Statistic a, Statistic b) {
+    return [=](Table const& table) { return a(table) / b(table); };
 }
 
 namespace {

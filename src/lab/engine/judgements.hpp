@@ -22,6 +22,8 @@ enum class Estimate {
     fixed       ///< nothing: the statistic of all rows does not depend on a seed
 };
 
+class Selection;
+
 /// A number computed from a table. If the table has a column of replicates (which change only the seed), it is computed
 /// from the rows of each seed and estimated over the seeds.
 class Statistic {
@@ -47,7 +49,12 @@ public:
     Statistic as(Estimate estimate) const;
     /// The same with another column of replicates.
     Statistic over(std::string replicate) const;
+    /// The same of these rows, as the median of seeds.
+    Statistic on(Selection rows) const;
 };
+/// A number less another, or over it; of the seeds the median. `x.on(rows) / x.on(others)`: of two kinds of rows.
+Statistic operator-(Statistic a, Statistic b);
+Statistic operator/(Statistic a, Statistic b);
 
 /// The least-squares slope of log10 y against log10 x over rows where both are positive and finite; NaN for fewer than
 /// two. A row that broke down (y infinite or NaN) counts as censored: the slope lies where any y not below the greatest
@@ -57,6 +64,8 @@ Statistic slope(std::string x, std::string y);
 Statistic rate(std::string x, std::string y);
 /// The least-squares slope of y against x.
 Statistic linear_slope(std::string x, std::string y);
+/// The number of the one row that a seed has.
+Statistic number(std::string column);
 Statistic mean(std::string column);
 Statistic median(std::string column);
 /// The least and the greatest number of each seed's rows: for claims about most runs.
