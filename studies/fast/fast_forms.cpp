@@ -268,7 +268,6 @@ extern Study const fast_forms{
                .panel = "lambda",
                .log = "",
                .x_label = "bits p",
-               .y_label = "digits",
                .where = {{"part", {"digits"}}}}},
     .claims = {
         {"transversal: each further bit is worth 1.0 +- 0.1 of ln 2 / -ln lambda rows",

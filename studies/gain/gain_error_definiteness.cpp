@@ -112,7 +112,6 @@ extern Study const gain_error_definiteness{
                .panel = "arithmetic",
                .log = "x",
                .x_label = "relative error of the gain",
-               .y_label = "lost",
                .where = {{"size", {"3"}}, {"rows", {"white"}}, {"lambda", {"1"}}, {"enters", {"wherever used"}}}}},
     .claims = {
         {"carlson, ud, inverse_qr, extended_qr: never, with errors of up to ten times the gain and more, in any of "

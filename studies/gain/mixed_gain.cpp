@@ -235,7 +235,6 @@ Plot error_over_length(std::string title, std::vector<std::pair<std::string, std
             .y = "error",
             .panel = "data",
             .log = "y",
-            .x_label = "p_K",
             .y_label = "relative error of P",
             .where = std::move(where)};
 }

@@ -105,7 +105,6 @@ extern Study const half_power{
                .x = "kappa",
                .y = "eta",
                .x_label = "condition number",
-               .y_label = "eta",
                .where = {{"basis", {"rotated"}}, {"d", {"4"}}, {"lambda", {"1"}}, {"c2", {"1048576"}}}}},
     .claims = {
         // of a bound that is not below 1 the first order says nothing
