@@ -139,6 +139,20 @@ Judge condition_bounds(std::string const& of) {
     return labelled(of, within(rows, {"variant"}, greatest(of + "_share").as(Estimate::proven), 0, 1.01));
 }
 
+/// At kappa = 1000, or against kappa at P0 = 1e10.
+Plot against(std::string const& x, std::string const& title, std::string const& y, std::string const& y_label) {
+    Plot out{.title = title + ", kappa = 1000",
+             .x = x,
+             .y = y,
+             .panel = "data",
+             .y_label = y_label,
+             .where = {{"kappa", {"1000"}}}};
+    if (x == "P0") return out;
+    out.title = title + ", P0 = 1e10";
+    out.where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}};
+    return out;
+}
+
 }  // namespace
 
 extern Study const backward_error{
@@ -184,36 +198,11 @@ extern Study const backward_error{
     .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share",
                  "theta_share", "over_cond_R", "cond_R", "kappa_of_A", "definite", "apart"},
     .measure = measure,
-    .plots = {{.title = "Backward error of P, kappa = 1000",
-               .x = "P0",
-               .y = "eta_P",
-               .panel = "data",
-               .y_label = "backward error of P / u",
-               .where = {{"kappa", {"1000"}}}},
-              {.title = "Backward error of P, P0 = 1e10",
-               .x = "kappa",
-               .y = "eta_P",
-               .panel = "data",
-               .y_label = "backward error of P / u",
-               .where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}}},
-              {.title = "Forward error of P, kappa = 1000",
-               .x = "P0",
-               .y = "P_error",
-               .panel = "data",
-               .y_label = "relative error of P / u",
-               .where = {{"kappa", {"1000"}}}},
-              {.title = "Forward error of P, P0 = 1e10",
-               .x = "kappa",
-               .y = "P_error",
-               .panel = "data",
-               .y_label = "relative error of P / u",
-               .where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}}},
-              {.title = "Backward error of theta, kappa = 1000",
-               .x = "P0",
-               .y = "eta_theta",
-               .panel = "data",
-               .y_label = "backward error of theta / u",
-               .where = {{"kappa", {"1000"}}}}},
+    .plots = {against("P0", "Backward error of P", "eta_P", "backward error of P / u"),
+              against("kappa", "Backward error of P", "eta_P", "backward error of P / u"),
+              against("P0", "Forward error of P", "P_error", "relative error of P / u"),
+              against("kappa", "Forward error of P", "P_error", "relative error of P / u"),
+              against("P0", "Backward error of theta", "eta_theta", "backward error of theta / u")},
     .claims = {
         {"theta and P in 257 bits are the certified ones in most runs, to 30 digits",
          within(all_rows, {"data"}, greatest("apart"), 0, 1e-30), verification("certified in every trial")},

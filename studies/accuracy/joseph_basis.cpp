@@ -244,6 +244,16 @@ Judge beside_ud(std::string const& measure) {
     return within(where("form", {"whitened joseph", "ud"}), {"basis", "d", "memory", "spectrum", "theta"},
                   ratio(measure, "whitened joseph", "ud"), 0.1, 10);
 }
+Plot error_of_P(std::string const& in, std::string const& basis) {
+    return {.title = "Error of P, " + in,
+            .x = "kappa",
+            .y = "P",
+            .series = "form",
+            .panel = "spectrum",
+            .x_label = "condition number of the regressors",
+            .y_label = "relative error of P",
+            .where = {{"basis", {basis}}, {"theta", {"along v_1"}}}};
+}
 
 }  // namespace
 
@@ -277,22 +287,7 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
                 {"replicate", counted(100), counted(11)}},
     .measures = {"theta", "form", "P", "error_of_theta", "bound"},
     .measure = measure,
-    .plots = {{.title = "Error of P, rotated columns",
-               .x = "kappa",
-               .y = "P",
-               .series = "form",
-               .panel = "spectrum",
-               .x_label = "condition number of the regressors",
-               .y_label = "relative error of P",
-               .where = {{"basis", {"rotated"}}, {"theta", {"along v_1"}}}},
-              {.title = "Error of P, units of the columns",
-               .x = "kappa",
-               .y = "P",
-               .series = "form",
-               .panel = "spectrum",
-               .x_label = "condition number of the regressors",
-               .y_label = "relative error of P",
-               .where = {{"basis", {"units"}}, {"theta", {"along v_1"}}}}},
+    .plots = {error_of_P("rotated columns", "rotated"), error_of_P("units of the columns", "units")},
     .claims = {
         {"rotated: joseph's error of P has a slope of 2.3 ... 3.3 in kappa, for each spectrum, d and N",
          within(of("rotated", {"joseph"}), by_problem, slope("kappa", "P"), 2.3, 3.3),
