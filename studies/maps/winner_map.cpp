@@ -1,5 +1,5 @@
 // The map of winners: which form keeps most digits, over condition, prior, memory, word, size, basis and theta.
-#include "studies/maps/winner_reading.hpp"
+#include "studies/maps/winner_map.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,5 +1,5 @@
 // Reads the table: losses to the best form, and the condition at which they reach half a digit.
-#include "studies/maps/winner_reading.hpp"
+#include "studies/maps/winner_map.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -83,9 +83,9 @@ Statistic of_cells(std::function<std::optional<bool>(MapRun const&)> holds) {
     return {[=](Table const& t) { return share(medians_of(t), holds); }, Estimate::fixed};
 }
 
-Statistic family_foretold(std::vector<std::string> const& forms, Laws laws) {
+Statistic family_foretold(std::vector<std::string> const& forms) {
     return of_runs([=](MapRun const& run) -> std::optional<bool> {
-        return run.loss_of_family(run.foretold(laws).winner(forms), forms) <= 0.5;
+        return run.loss_of_family(run.foretold().winner(forms), forms) <= 0.5;
     });
 }
 
@@ -93,15 +93,15 @@ Statistic family_within(std::string family, std::vector<std::string> const& form
     return of_runs([=](MapRun const& run) -> std::optional<bool> { return run.loss_of_family(family, forms) <= most; });
 }
 
-Statistic loss_foretold(std::string form, double most, Laws laws) {
+Statistic loss_foretold(std::string form, double most) {
     return of_runs([=](MapRun const& run) -> std::optional<bool> {
-        double const measured = run.loss(form, all_forms()), law = run.foretold(laws).loss(form, all_forms());
+        double const measured = run.loss(form, all_forms()), law = run.foretold().loss(form, all_forms());
         if (std::isinf(measured) || std::isinf(law)) return {};
         return std::abs(measured - law) <= most;
     });
 }
 
-Statistic boundaries_foretold(double most, Laws laws) {
+Statistic boundaries_foretold(double most) {
     return [=](Table const& t) {
         std::map<std::string, std::vector<MapRun>> lines;
         for (MapRun& run : runs_of(t)) lines[run.line].push_back(std::move(run));
@@ -110,7 +110,7 @@ Statistic boundaries_foretold(double most, Laws laws) {
             if (line.size() < 2) continue;
             std::ranges::sort(line, {}, &MapRun::exponent);
             std::vector<MapRun> foretold;
-            for (MapRun const& run : line) foretold.push_back(run.foretold(laws));
+            for (MapRun const& run : line) foretold.push_back(run.foretold());
             double const measured = boundary(line), law = boundary(foretold), first = log_kappa(line.front()),
                          last = log_kappa(line.back());
             auto const inside = [&](double x) { return first < x && x <= last; };

@@ -1,8 +1,6 @@
 // Rows, filters and the certified solution of one cell.
-#include "studies/maps/winner_run.hpp"
+#include "studies/maps/winner_map.hpp"
 
-#include <rlslab/studies/judgements.hpp>
-#include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -110,9 +108,9 @@ MapDigits MapRun::law(std::string_view form, Laws laws) const {
     return {digits(law.theta), digits(law.theta), digits(law.covariance)};
 }
 
-MapRun MapRun::foretold(Laws laws) const {
+MapRun MapRun::foretold() const {
     MapRun out = *this;
-    for (size_t i = 0; i < kept.size(); ++i) out.kept[i] = law(all_forms()[i], laws);
+    for (size_t i = 0; i < kept.size(); ++i) out.kept[i] = law(all_forms()[i]);
     return out;
 }
 
