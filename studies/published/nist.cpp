@@ -2,7 +2,7 @@
 // certificates. Longer than 150 lines: 14 claims, most of them on one published set.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
-#include "studies/published/nist_data.hpp"
+#include "studies/published/data.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/random.hpp>

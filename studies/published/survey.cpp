@@ -1,7 +1,7 @@
 // What `rlslab compare` shows of real records: which form keeps how many digits, which breaks down, and whether the one
 // that compare names is within half a digit of the best.
 #include "studies/published/naming.hpp"
-#include "studies/published/survey_data.hpp"
+#include "studies/published/data.hpp"
 
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
