@@ -3,7 +3,6 @@
 #include <rlslab/studies/judgements.hpp>
 
 #include <cmath>
-#include <fmt/format.h>
 
 namespace rlslab::studies {
 namespace {

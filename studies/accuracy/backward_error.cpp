@@ -5,8 +5,6 @@
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/spectra.hpp>
 
-#include <rlslab/arithmetic/elementary.hpp>
-
 #include <algorithm>
 #include <cmath>
 

@@ -8,8 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <optional>
 
 namespace rlslab::studies {
 namespace {

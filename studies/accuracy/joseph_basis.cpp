@@ -5,7 +5,6 @@
 #include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/adapt/around.hpp>
-#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/linalg/triangles.hpp>
 #include <rlslab/variants/joseph.hpp>

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
 
 namespace rlslab::studies {
 namespace {

@@ -11,7 +11,6 @@
 #include <rlslab/variants/ud.hpp>
 
 #include <cmath>
-#include <fmt/format.h>
 
 namespace rlslab::studies {
 namespace {

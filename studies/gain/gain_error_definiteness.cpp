@@ -4,8 +4,6 @@
 
 #include <rlslab/reference/definiteness.hpp>
 
-#include <cmath>
-
 namespace rlslab::studies {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace rlslab::studies {

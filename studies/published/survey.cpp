@@ -4,9 +4,7 @@
 #include "studies/published/data.hpp"
 
 #include <rlslab/studies/judgements.hpp>
-#include <rlslab/studies/scenarios.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace rlslab::studies {
