@@ -123,12 +123,10 @@ Statistic over_bound(std::string const& y) {
 }
 /// Of every sweep against qr.
 Judge against_qr(std::string const& y, double from, double to) {
-    std::vector<Judge> out;
-    for (std::string const& variant : sweeps) {
+    return of_each(sweeps, [=](std::string const& variant) {
         Statistic const ratio = median(y).on(some({variant})) / median(y).on(some({"qr"}));
-        out.push_back(labelled(variant, within(where("data", "pair first"), {}, ratio, from, to)));
-    }
-    return together(out);
+        return within(where("data", "pair first"), {}, ratio, from, to);
+    });
 }
 /// Where first order is enough: condition times backward error below 1e-3.
 Judge condition_bounds(std::string const& of) {

@@ -70,13 +70,9 @@ Selection in_unit_interval(std::vector<std::string> const& variants) { return so
 Selection const that_survive = where("fraction", [](double bits) { return std::isfinite(bits); });
 /// symmetric's mean on rows of variance 1, within a band for each pole of the table.
 Judge at_each_pole(std::string const& column, std::map<double, std::pair<double, double>> const& bands) {
-    return of_unit_rows({"symmetric"}).judged([=](Table const& t) {
-        std::vector<Judgement> out;
-        for (auto const& [name, rows] : t.groups({"pole"})) {
-            auto const [from, to] = bands.at(rows.numbers("pole").front());
-            out.push_back(labelled(name, within(rows, {"lambda"}, mean(column), from, to)));
-        }
-        return together(out);
+    return of_unit_rows({"symmetric"}).each_judged({"pole"}, [=](Table const& rows) {
+        auto const [from, to] = bands.at(rows.numbers("pole").front());
+        return within(rows, {"lambda"}, mean(column), from, to);
     });
 }
 /// The mean over seeds of what f says of the rows of one.

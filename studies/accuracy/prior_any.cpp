@@ -208,13 +208,8 @@ Statistic const of_law([](Table const& t) {
 std::vector<std::string> const each{"variant", "problem", "spectrum", "basis", "theta"};
 
 /// Of the valleys of a table, one for each variant, problem, spectrum, basis and theta, the share for which it holds.
-Statistic share_of_valleys(std::function<bool(Table const&)> holds, Estimate estimate = Estimate::share) {
-    return {[=](Table const& t) {
-                double n = 0, yes = 0;
-                for (auto const& [name, valley] : t.groups(each)) n += 1, yes += holds(valley);
-                return yes / n;
-            },
-            estimate};
+Statistic share_of_valleys(bool (*holds)(Table const&), Estimate estimate = Estimate::share) {
+    return share_of_groups(each, holds).as(estimate);
 }
 double least_on_grid(Table const& valley) { return std::ranges::min(valley.where("prior", "grid").numbers("total")); }
 double total_with(Table const& valley, char const* prior) { return valley.where("prior", prior).number("total"); }

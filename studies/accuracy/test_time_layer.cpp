@@ -374,12 +374,7 @@ extern Study const test_time_layer{
         {"d = 32, bfloat16 at each row: P is not definite in most runs of conventional, symmetric and "
          "joseph_rank_two, at each gate, to nearest and stochastically",
          if_there(of_P(stored_P),
-                  [](Table const& t) {
-                      std::vector<Judgement> parts;
-                      for (auto const& [name, rows] : t.groups({"variant", "gate", "rounding"}))
-                          parts.push_back(labelled(name, everywhere(rows, "definite", 0.0)));
-                      return together(parts);
-                  }),
+                  all_rows.each_judged({"variant", "gate", "rounding"}, everywhere(all_rows, "definite", 0.0))),
          set_before, 0.55},
         {"there x of ud errs by less than 0.3 with stochastic rounding, at each gate",
          if_there(of_P({"ud"}).where("rounding", "stochastic"), within(all_rows, {"gate"}, median("x"), 0, 0.3)),

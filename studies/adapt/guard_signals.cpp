@@ -196,9 +196,7 @@ Selection of(std::string const& signal) { return where("signal", signal); }
 Statistic const later = mean("measured") - mean("predicted");
 /// Those of one filter, if rows count as independent.
 Judgement alarms_of_c_6(Table const& t) {
-    double hits = 0;
-    for (double const x : t.numbers("measured")) hits += x;
-    return proportion(size_t(hits + 0.5), t.rows().size() * size_t(far), 0, 1e-4);
+    return proportion(size_t(sum("measured")(t) + 0.5), t.rows().size() * size_t(far), 0, 1e-4);
 }
 /// The mean of what was measured over what was predicted: a ratio of means, since a seed may have measured 0.
 Statistic const over_predicted = mean("measured") / mean("predicted");

@@ -115,14 +115,9 @@ Judgement earlier_in_longer_words(Table const& t) {
 }
 /// More than half of all runs do what `share` of those of a row did.
 Judge most(Selection const& rows, std::string const& share) {
-    return rows.judged([=](Table const& t) {
-        std::vector<Judgement> all;
-        for (auto const& [name, row] : t.groups({"arithmetic", "hardness", "variant"})) {
-            double const runs = row.number("runs");
-            all.push_back(
-                labelled(name, proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1)));
-        }
-        return together(all);
+    return rows.each_judged({"arithmetic", "hardness", "variant"}, [=](Table const& row) {
+        double const runs = row.number("runs");
+        return proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1);
     });
 }
 /// The step at which the antisymmetric rounding error has grown to 1: ln(1/u) / -ln lambda.

@@ -48,25 +48,14 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "kalman"},
     triangles{"carlson", "ud", "inverse_qr", "extended_qr"};
 
-Judgement judged_in_all(Table const& t) {
-    double judged = 0;
-    for (double const n : t.numbers("judged")) judged += n;
-    return {Verdict::holds, "covariances judged: " + as_text(judged)};
-}
+Judgement judged_in_all(Table const& t) { return {Verdict::holds, "covariances judged: " + as_text(sum("judged")(t))}; }
 Judge never_lost(Selection const& t, Estimate seeds) {
     return everywhere(t, "lost", 0.0, seeds) && everywhere(t, "overflowed", 0.0, seeds) && t.judged(judged_in_all);
 }
 Selection in(char const* arithmetic) { return where("arithmetic", arithmetic); }
 
 /// How many of the covariances of all rows were lost.
-Statistic const share(
-    [](Table const& t) {
-        double judged = 0, lost = 0;
-        for (double const n : t.numbers("judged")) judged += n;
-        for (double const n : t.numbers("lost")) lost += n;
-        return lost / judged;
-    },
-    Estimate::share);
+Statistic const share = (sum("lost") / sum("judged")).as(Estimate::share);
 
 }  // namespace
 

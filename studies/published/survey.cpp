@@ -93,15 +93,7 @@ Statistic const loss = median("loss").over("record");
 
 /// The share of a record's cells for which it holds, a cell of each value in these columns.
 Statistic share_of_cells(std::vector<std::string> const& by, bool (*holds)(Table const& cell)) {
-    Statistic const out(
-        [=](Table const& of) {
-            double yes = 0;
-            auto const cells = of.groups(by);
-            for (auto const& [name, cell] : cells) yes += holds(cell);
-            return yes / double(cells.size());
-        },
-        Estimate::share);
-    return out.over("record");
+    return share_of_groups(by, holds).over("record");
 }
 bool all_keep_6_digits(Table const& cell) { return least("worst")(cell) >= 6; }
 bool all_break_down(Table const& cell) { return least("broken")(cell) > 0; }

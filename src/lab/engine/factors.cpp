@@ -122,10 +122,6 @@ Cell value_of(Study const& study, std::string const& factor, std::string const& 
     return text;
 }
 
-}  // namespace
-
-namespace {
-
 /// Throws InputError for a column that would be there twice, and for a factor without values or with one twice.
 void expect_a_table(Study const& study, std::vector<Factor> const& factors) {
     auto const refuse = [&](std::string const& what) {

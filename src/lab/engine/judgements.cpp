@@ -95,6 +95,13 @@ double median(std::vector<double> values) {
 Statistic number(std::string column) {
     return [=](Table const& table) { return table.number(column); };
 }
+Statistic sum(std::string column) {
+    return [=](Table const& table) {
+        double out = 0;
+        for (double const x : table.numbers(column)) out += x;
+        return out;
+    };
+}
 Statistic mean(std::string column) {
     return of_column(
         std::move(column),
@@ -136,6 +143,15 @@ Statistic root_mean_square(std::string column) {
             return std::sqrt(sum);
         },
         Estimate::quadratic);
+}
+
+Statistic share_of_groups(std::vector<std::string> by, std::function<bool(Table const& group)> holds) {
+    return {[=](Table const& table) {
+                double yes = 0, all = 0;
+                for (auto const& [name, group] : table.groups(by)) yes += holds(group), ++all;
+                return yes / all;
+            },
+            Estimate::share};
 }
 
 Interval Statistic::bounds(Table const& table) const {
@@ -401,6 +417,13 @@ Selection Selection::where(std::string column, std::vector<std::string> words) c
 Judge Selection::judged(Judge by) const {
     return [rows = *this, by](Table const& table) { return by(rows(table)); };
 }
+Judge Selection::each_judged(std::vector<std::string> by, Judge group) const {
+    return judged([=](Table const& table) {
+        std::vector<Judgement> all;
+        for (auto const& [name, rows] : table.groups(by)) all.push_back(labelled(name, group(rows)));
+        return together(all);
+    });
+}
 std::function<bool(double)> at_most(double x) {
     return [=](double y) { return y <= x; };
 }
@@ -423,6 +446,12 @@ Judge within(Selection const& rows, std::vector<std::string> const& by, Statisti
 }
 Judge everywhere(Selection const& rows, std::string const& column, Cell const& value, Estimate seeds) {
     return rows.judged([=](Table const& table) { return everywhere(table, column, value, seeds); });
+}
+
+Judge of_each(std::vector<std::string> const& names, std::function<Judge(std::string const&)> const& judge) {
+    std::vector<Judge> parts;
+    for (std::string const& name : names) parts.push_back(labelled(name, judge(name)));
+    return together(parts);
 }
 
 Factors::Factors(std::initializer_list<Factor> list)
