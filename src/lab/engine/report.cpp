@@ -73,31 +73,25 @@ std::string summary(std::vector<Outcome> const& outcomes) {
             if (basis.kind == Kind::own_result) ++(says("after") ? after : says("before") ? before : unsaid);
         }
     return fmt::format(
-        "<section id=\"fails\"><h2>What fails</h2>\n{}<h2>What is undecided</h2>\n<details><summary>Claims whose "
-        "interval reaches over an "
-        "end of the band, or that have fewer than {} seeds</summary>{}</details>\n<h2>How many claims</h2>\n"
-        "<table><thead><tr><th>kind</th><th>hold</th><th>fail</th><th>undecided</th></tr></thead><tbody>\n{}</tbody></"
-        "table>\n"
+        "<section id=\"fails\"><h2>What fails</h2>\n"
+        "{}<h2>What is undecided</h2>\n"
+        "<details><summary>Claims whose interval reaches over an end of the band, or that have fewer than {} "
+        "seeds</summary>{}</details>\n"
+        "<h2>How many claims</h2>\n"
+        "<table><thead><tr><th>kind</th><th>hold</th><th>fail</th><th>undecided</th></tr></thead><tbody>\n"
+        "{}</tbody></table>\n"
         "<p>A verification asks whether the code does what the formula says; it is no finding. A reproduction repeats "
-        "an earlier number: "
-        "published, a textbook's, or the project's own earlier experiment's, as its band says. Of the findings {} say "
-        "that the band was "
-        "set before the run, {} that a result had been seen by then, and {} name a formula and no time. A claim that "
-        "is estimated from "
-        "seeds holds when its interval lies inside the band, fails when it lies outside, and is undecided otherwise. "
-        "Each interval misses "
-        "its number with probability {} at most, so that at most {:.2f} of the verdicts that rest on an interval are "
-        "expected to be "
-        "wrong, as far as their bands were set beforehand. Where a line shows several groups, each interval is its "
-        "own. A claim about "
-        "most runs holds when, but for that risk, fewer than half of all seeds are outside (of n seeds none: "
-        "fewer than 6.9/n of all); one about every run holds by a proof "
-        "that it names, and fails by one counterexample. Intervals: order statistics of a median; Student's t of a "
-        "mean of normal "
-        "numbers or averages, on logarithms where it is a size; chi-squared with Satterthwaite's freedom of a root "
-        "mean square; "
-        "Clopper and Pearson's of a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} "
-        "seeds have "
+        "an earlier number: published, a textbook's, or the project's own earlier experiment's, as its band says. Of "
+        "the findings {} say that the band was set before the run, {} that a result had been seen by then, and {} name "
+        "a formula and no time. A claim that is estimated from seeds holds when its interval lies inside the band, "
+        "fails when it lies outside, and is undecided otherwise. Each interval misses its number with probability {} "
+        "at most, so that at most {:.2f} of the verdicts that rest on an interval are expected to be wrong, as far as "
+        "their bands were set beforehand. Where a line shows several groups, each interval is its own. A claim about "
+        "most runs holds when, but for that risk, fewer than half of all seeds are outside (of n seeds none: fewer "
+        "than 6.9/n of all); one about every run holds by a proof that it names, and fails by one counterexample. "
+        "Intervals: order statistics of a median; Student's t of a mean of normal numbers or averages, on logarithms "
+        "where it is a size; chi-squared with Satterthwaite's freedom of a root mean square; Clopper and Pearson's of "
+        "a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} seeds have "
         "none.</p></section>\n",
         list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, before, after,
         unsaid, claim_risk, expected_errors(outcomes), fewest_seeds);
@@ -194,7 +188,7 @@ namespace {
 bool shown(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
 
 Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bool log_x, bool log_y) {
-    Curve out{.name = std::move(name), .look = std::move(look), .x = {}, .y = {}, .lower = {}, .upper = {}};
+    Curve out{.name = std::move(name), .look = std::move(look), .x = {}, .y = {}};
     std::map<double, std::vector<double>> at;
     std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
     for (size_t i = 0; i < x.size(); ++i)
@@ -222,7 +216,7 @@ std::pair<std::string, size_t> most_frequent(std::vector<std::vector<Cell>> cons
 
 /// A cell for each (x, series): the median of its numbers, or its most frequent word with the word's share.
 Curve cells(Table const& rows, Plot const& plot, std::string const& column) {
-    Curve out{.name = column, .look = {}, .x = {}, .y = {}, .lower = {}, .upper = {}};
+    Curve out{.name = column, .look = {}, .x = {}, .y = {}};
     for (Cell const& line : rows.distinct(plot.series)) {
         Table const along = rows.where(plot.series, line);
         for (Cell const& place : along.distinct(plot.x)) {
@@ -247,12 +241,7 @@ Curve cells(Table const& rows, Plot const& plot, std::string const& column) {
 /// Over the panel's x, which is where the curves are.
 Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y, double floor) {
     constexpr std::array dashes{"#555555", "#999999", "#bbbbbb"};
-    Curve out{.name = of.label,
-              .look = {dashes[place % dashes.size()], true, ""},
-              .x = {},
-              .y = {},
-              .lower = {},
-              .upper = {}};
+    Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}, .x = {}, .y = {}};
     double from = INFINITY, to = -INFINITY;
     for (Curve const& c : curves)
         for (double const x : c.x) from = std::min(from, x), to = std::max(to, x);
