@@ -1,5 +1,5 @@
 // Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition
-// and prior. Longer than 150 lines: 20 claims.
+// and prior.
 #include <rlslab/studies/backward_errors.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

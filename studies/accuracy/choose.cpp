@@ -1,5 +1,4 @@
 // The map: how many bits each variant needs, against the conditioning of the data.
-// Longer than 150 lines: the search in lengths, and eight claims.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

@@ -1,5 +1,4 @@
 // Rows that repeat: roundings average over distinct rows to nearest, over all rows at random.
-// Longer than 150 lines: exhaustive cycles, ten kinds of rows, a dithered form, and predictions with probabilities.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

@@ -1,5 +1,5 @@
 // Fixed-point words: how many bits behind the point, before it and in all each variant needs, against memory,
-// conditioning, size and scale. Longer than 150 lines: 18 claims.
+// conditioning, size and scale.
 #include "studies/accuracy/fixed_runs.hpp"
 #include <rlslab/studies/judgements.hpp>
 

@@ -1,5 +1,5 @@
 // In which basis Joseph's products lose digits: units of the columns, rotated columns, scaled ones, and the basis of
-// the first rows. Longer than 150 lines: the bound of docs/theory.md 114, a filter of its own, and fourteen claims.
+// the first rows.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/spectra.hpp>

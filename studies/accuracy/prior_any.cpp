@@ -1,5 +1,4 @@
 // The best prior variance for any theta: predicted from the records, for forms that store P, with UD beside them.
-// Longer than 400 lines: fifteen problems, and sixteen claims of nine and of all of them together.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/spectra.hpp>

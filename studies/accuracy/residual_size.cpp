@@ -1,5 +1,5 @@
 // Which variants inherit kappa^2 ||r||, the sensitivity of least squares to its residual, on data that are not
-// integers? Longer than 150 lines: outputs with a given residual, a first-order law, and seven claims.
+// integers?
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/spectra.hpp>

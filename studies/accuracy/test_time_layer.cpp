@@ -1,5 +1,4 @@
 // The state of a layer that solves least squares at each token, in words of 8, 16 and 32 bits.
-// Longer than 150 lines: states, words, and predictions with their probabilities.
 #include "studies/accuracy/test_time_layer.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>

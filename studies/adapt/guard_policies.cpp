@@ -1,5 +1,4 @@
 // What a guard saves: theta and P after eight disturbances, with each policy.
-// Longer than 150 lines: eight disturbances and 14 claims.
 #include "studies/adapt/guarded.hpp"
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

@@ -1,5 +1,4 @@
 // How often a guard is wrong, what it misses, and how late it is.
-// Longer than 150 lines: the predicted rates of the signals stand here, and nine claims.
 #include "studies/adapt/guarded.hpp"
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

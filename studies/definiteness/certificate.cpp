@@ -1,5 +1,4 @@
 // What random probes say of a running filter, beside the truth in 257 bits.
-// Longer than 150 lines: the runs, breakdowns and clean rows, and 21 predictions with their probabilities.
 #include <rlslab/adapt/certified.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/reference/definiteness.hpp>

@@ -1,5 +1,4 @@
 // Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
-// Longer than 150 lines: ratios of medians have intervals of their own, and nine claims use them.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 

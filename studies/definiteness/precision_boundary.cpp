@@ -1,5 +1,4 @@
 // The smallest significand with which each variant survives, against forgetting and conditioning.
-// Longer than 150 lines: an upward search in lengths, and eight claims.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

@@ -1,5 +1,4 @@
 // The hazard per step of losing definiteness: to nearest, stochastically, and with few random bits.
-// Longer than 150 lines: the hazard's interval stands here, and seven claims use it.
 #include "studies/definiteness/random_rounding.hpp"
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

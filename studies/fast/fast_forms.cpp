@@ -1,5 +1,5 @@
 // Fast forms of a delay line: how long the transversal filter lives, what feedback and lattices change, and the digits
-// of the prediction error beside variants. Longer than 150 lines: four measurements on one kind of record.
+// of the prediction error beside variants.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 

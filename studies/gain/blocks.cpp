@@ -1,5 +1,4 @@
 // P -= K G' by blocks of rows, Joseph's form by blocks, QR of blocks and normal equations, in float and double.
-// Longer than 150 lines: the published updates, which the library does not have, and 19 predictions.
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/linalg/product.hpp>
 #include <rlslab/studies/judgements.hpp>

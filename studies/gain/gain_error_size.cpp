@@ -1,5 +1,4 @@
 // Errors in every gain: how large what reaches the covariance is, against the predictions of docs/theory.md 36.
-// Longer than 150 lines: predictions to first order for three kinds of gain, and 14 claims.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 

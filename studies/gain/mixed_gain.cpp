@@ -1,5 +1,5 @@
 // Two lengths: which may be short, the gain or what it is computed from? Where Joseph's form is worth it, predicted and
-// measured. Longer than 150 lines: two predicted floors, nine arrangements of two lengths, and 20 claims.
+// measured.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 

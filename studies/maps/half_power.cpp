@@ -1,5 +1,5 @@
 // The half-power law over records: what a factor and a stored P lose of P in its own metric, foretold from the rows and
-// one constant. Longer than 150 lines: twelve predictions.
+// one constant.
 #include <rlslab/studies/half_power.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>

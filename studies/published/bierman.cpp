@@ -1,5 +1,4 @@
 // Bierman's two parameters: an accurate first measurement, a nearly parallel second one, and a variance below zero.
-// Longer than 150 lines: nine claims on one published example.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 

@@ -1,5 +1,5 @@
 // The NIST regressions, one row at a time: how many digits each variant keeps, against the stored data and against the
-// certificates. Longer than 150 lines: 14 claims, most of them on one published set.
+// certificates.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include "studies/published/data.hpp"

@@ -1,5 +1,4 @@
 // A window that slides over an outlier: what downdating keeps of a row long after it has left.
-// Longer than 150 lines: eight claims on five methods.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
