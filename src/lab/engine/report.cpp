@@ -1,11 +1,10 @@
-// The text of the report, and curves from rows (figure.hpp). src/lab/report/ makes pages, drawings and formulas.
+// The text of the report, and curves from rows. src/lab/report/ makes pages, drawings and formulas.
 #include <rlslab/studies/report.hpp>
 #include "src/lab/report/page.hpp"
 #include "src/lab/report/revision.hpp"
 
 #include <rlslab/studies/interval.hpp>
 #include <rlslab/studies/verdicts.hpp>
-#include <rlslab/studies/figure.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/catalogue.hpp>

@@ -1,12 +1,18 @@
-// The report: one HTML file that opens offline and has all that a reader needs to check or repeat the run.
+// The report: one HTML file that opens offline and has all that a reader needs to check or repeat the run; and the
+// figures of a study from its table. src/lab/report/ draws them.
 #pragma once
 
-#include <rlslab/studies/figure.hpp>
+#include "src/lab/report/figure.hpp"
 #include <rlslab/studies/run.hpp>
 
 namespace rlslab::studies {
 
 /// Questions, formulas, plots, tables, claims with their verdicts, provenance.
 std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options);
+
+/// One figure for each plot and panel. Curves leave out 0, NaN and infinity on a logarithmic axis. In a plot of cells
+/// whose y is a column of words the most frequent word stands in each cell, shaded by its share; the label of a guide
+/// names another such column, and lines part cells where its words differ.
+std::vector<report::Figure> figures(Study const& study, Table const& table);
 
 }  // namespace rlslab::studies
