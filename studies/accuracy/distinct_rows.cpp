@@ -22,6 +22,10 @@ namespace {
 using Word = VariablePrecision;
 double in_word(double x) { return nearest_in(PrecisionScope::format(), x); }
 
+Matrix<double> narrow(Matrix<Reference> const& wide) {
+    return wide.unaryExpr([](Reference const& x) { return static_cast<double>(x); });
+}
+
 /// ||Phat - P||_F / ||P||_F, and (tr Phat - tr P) / tr P.
 struct Off {
     double norm, trace;
@@ -115,9 +119,7 @@ void cycles_of_two(Trial const& trial, TrialOutput& out) {
             double length = 0, error = 0;
             do {
                 auto const stored = f.stored().template mapped<Reference>([](Word const& x) { return widen(x); });
-                Matrix<double> const Phat =
-                    covariance_of(stored).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
-                error = std::max(error, Off(Phat, P).norm / u), ++length, period();
+                error = std::max(error, Off(narrow(covariance_of(stored)), P).norm / u), ++length, period();
             } while (numbers() != first);
             worst = std::max(worst, error), longest = std::max(longest, length);
         }
@@ -238,9 +240,6 @@ void run(Trial const& trial, TrialOutput& out) {
     }
     Records const records{.psi = rows.psi, .y = Vector<double>::Zero(count), .names = {}};
     Problem<double> const problem{.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 1}};
-    auto const narrow = [](Matrix<Reference> const& wide) {
-        return Matrix<double>(wide.unaryExpr([](Reference const& x) { return static_cast<double>(x); }));
-    };
     for (std::string const form : {"ud_delta", "carlson_delta", "ud", "carlson"}) {
         auto const& any = variable_precision_catalogue();
         CatalogueEntry const& entry =

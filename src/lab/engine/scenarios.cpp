@@ -104,10 +104,7 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise)
 }
 
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
-    std::vector<double> sigma;
-    for (Index j = 0; j < size; ++j)
-        sigma.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
-    return with_singular_values(sigma, rows, seed, noise);
+    return with_singular_values(singular_values("geometric", size, kappa), rows, seed, noise);
 }
 
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
@@ -168,8 +165,7 @@ double largest_eigenvalue(Matrix<double> const& A, int steps) {
 
 double frobenius(Matrix<Reference> const& A) {
     Reference sum = 0;
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i) sum += A(i, j) * A(i, j);
+    for (Reference const& x : A.reshaped()) sum += x * x;
     return static_cast<double>(sqrt(sum));
 }
 

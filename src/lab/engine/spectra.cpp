@@ -32,7 +32,7 @@ std::vector<double> singular_values(std::string_view shape, Index size, double k
     for (Index j = 0; j < size; ++j) {
         if (shape == "one small") out.push_back(j + 1 < size ? 1 : 1 / kappa);
         else if (shape == "one large") out.push_back(j == 0 ? 1 : 1 / kappa);
-        else out.push_back(correctly::pow(kappa, -double(j) / double(size - 1)));
+        else out.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
     }
     return out;
 }
