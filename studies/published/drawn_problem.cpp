@@ -222,15 +222,14 @@ DrawnProblem everyday_problem(Index number, Seed seed) {
 
 Records everyday_realisation(DrawnProblem const& p, Seed rows, Seed noise) {
     Records out{.psi = regressors_of(p, rows), .y = Vector<double>(p.rows), .names = {}};
-    double squares = 0;
     for (Index k = 0; k < p.rows; ++k) {
         size_t const part = size_t(k * Index(p.later.size() + 1) / p.rows);
         Vector<double> const& theta = part == 0 ? p.theta : p.later[part - 1];
         double sum = 0;
         for (Index i = 0; i < p.size; ++i) sum += out.psi(i, k) * theta[i];
-        out.y[k] = sum, squares += sum * sum / double(p.rows);
+        out.y[k] = sum;
     }
-    double const deviation = p.noise * std::sqrt(squares);
+    double const deviation = p.noise * root_mean_square_of(out.y);
     for (Index k = 0; k < p.rows; ++k) {
         out.y[k] += deviation * noise.bell();
         if (p.kind == "counts") out.y[k] = std::round(out.y[k] * (p.regressors == "counts" ? 1 : 64));
