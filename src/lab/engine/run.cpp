@@ -50,19 +50,6 @@ std::string command_of(std::string const& names, RunOptions const& options) {
                        name_of(options.budget), options.seed, changes.empty() ? "" : " ", changes);
 }
 
-}  // namespace
-
-Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
-    if (options.run) return *options.run;
-    std::vector<std::string> words;
-    for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
-    return {.command = command_of(words.size() == studies().size() ? "--all" : shell_text(words), options)};
-}
-
-std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
-
-namespace {
-
 /// The program as it is: results of another one are not to be mixed with its own.
 std::uint64_t identity() {
     static std::uint64_t const value = [] {
@@ -133,22 +120,6 @@ std::vector<std::vector<Cell>> combinations(std::vector<Factor> const& factors) 
     }
     return out;
 }
-
-}  // namespace
-
-std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& factors, RunOptions const& options) {
-    std::vector<Trial> out;
-    for (auto& values : combinations(factors)) {
-        Trial const trial(study.name, factors, std::move(values), options.seed, *options.entries, options.budget);
-        if (!study.admits || study.admits(trial)) out.push_back(trial);
-    }
-    if (out.empty() && options.changed())
-        throw InputError(
-            fmt::format("--set: study {} admits none of these combinations: {}", study.name, changes_of(options)));
-    return out;
-}
-
-namespace {
 
 /// The trials; returns the journal's key.
 std::string prepare(Running& run, RunOptions const& options) {
@@ -265,6 +236,27 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
 }
 
 }  // namespace
+
+Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    if (options.run) return *options.run;
+    std::vector<std::string> words;
+    for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
+    return {.command = command_of(words.size() == studies().size() ? "--all" : shell_text(words), options)};
+}
+
+std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
+
+std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& factors, RunOptions const& options) {
+    std::vector<Trial> out;
+    for (auto& values : combinations(factors)) {
+        Trial const trial(study.name, factors, std::move(values), options.seed, *options.entries, options.budget);
+        if (!study.admits || study.admits(trial)) out.push_back(trial);
+    }
+    if (out.empty() && options.changed())
+        throw InputError(
+            fmt::format("--set: study {} admits none of these combinations: {}", study.name, changes_of(options)));
+    return out;
+}
 
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options,
                                  Progress const& progress) {
