@@ -308,6 +308,11 @@ std::string seeds_text(size_t fewest, size_t most) {
                        most == 1 ? "seed" : "seeds");
 }
 
+template <class Holds>
+Selection restricted(Selection const& rows, std::string const& column, Holds const& holds) {
+    return [=](Table const& table) { return rows(table).where(column, holds); };
+}
+
 }  // namespace
 
 Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from,
@@ -401,12 +406,6 @@ Judge labelled(std::string label, Judge of) {
     return [=](Table const& table) { return labelled(label, of(table)); };
 }
 
-namespace {
-template <class Holds>
-Selection restricted(Selection const& rows, std::string const& column, Holds const& holds) {
-    return [=](Table const& table) { return rows(table).where(column, holds); };
-}
-}  // namespace
 Selection Selection::where(std::string column, Cell value) const { return restricted(*this, column, value); }
 Selection Selection::where(std::string column, std::function<bool(double)> holds) const {
     return restricted(*this, column, holds);
