@@ -1,5 +1,5 @@
-// The map of winners. One run: the cell's rows, every form on them, the digits kept. The table read: runs, their losses,
-// the boundary, and the statistics of claims.
+// The map of winners. One run: the cell's rows, every form on them, the digits kept. The table read: runs, their
+// losses, the boundary, and the statistics of claims.
 #pragma once
 
 #include <rlslab/studies/judgements.hpp>

@@ -131,7 +131,7 @@ Records realisation(DrawnProblem const& p, Seed rows, Seed noise) {
     return out;
 }
 
-// --- the second distribution: plants at rest, periods, counts, natural units, changes and levels ----------------------
+// --- the second distribution: plants at rest, periods, counts, natural units, changes and levels ---------------------
 
 namespace {
 
