@@ -3,7 +3,6 @@
 #include <rlslab/studies/judgements.hpp>
 
 #include <cmath>
-#include <fmt/format.h>
 
 namespace rlslab::studies {
 namespace {
@@ -76,14 +75,12 @@ extern Study const accuracy_steps{
                .x = "rows",
                .y = "theta_error",
                .panel = "arithmetic",
-               .x_label = "rows",
                .y_label = "relative error of theta / u",
                .guides = {{"0.46 sqrt(N/3)", [](double n) { return 0.46 * std::sqrt(n / 3); }}}},
               {.title = "Error of P",
                .x = "rows",
                .y = "covariance_error",
                .panel = "arithmetic",
-               .x_label = "rows",
                .y_label = "relative error of P / u",
                .guides = {{"N/4", [](double n) { return n / 4; }}}}},
     .claims = {

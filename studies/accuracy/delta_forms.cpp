@@ -8,8 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <optional>
 
 namespace rlslab::studies {
 namespace {
@@ -72,7 +70,6 @@ Records drawn(Rows const& kind, Index rows, Seed seed) {
 }
 
 std::vector<std::string> const with_delta{"ud", "carlson", "inverse_qr", "potter", "qr", "gentleman"};
-std::string delta_of(std::string const& form) { return form + "_delta"; }
 
 /// The error of P by docs/theory.md 91, where nothing but the rounding of the changed numbers is left: noise of every
 /// row, and with lambda = 1 the mean of the roundings.
@@ -294,17 +291,14 @@ Selection of(std::string const& regime, std::vector<std::string> const& rows) {
 Selection const long_memory = of("float 0.9999", white_or_line);
 /// Digits of `column` that `form` keeps more than `other`.
 Statistic more_digits(std::string form, std::string other, std::string column = "covariance") {
-    return [=](Table const& t) {
-        return correctly::log10(t.where("form", other).number(column) / t.where("form", form).number(column));
-    };
+    Statistic const ratio = number(column).on(where("form", other)) / number(column).on(where("form", form));
+    return [=](Table const& t) { return correctly::log10(ratio(t)); };
 }
 Judge gains(Selection const& rows, std::vector<std::string> const& forms, double from, double to,
             std::string const& column = "covariance") {
-    std::vector<Judge> all;
-    for (std::string const& form : forms)
-        all.push_back(
-            labelled(form, within(rows, {"regime", "rows"}, more_digits(delta_of(form), form, column), from, to)));
-    return together(all);
+    return of_each(forms, [=](std::string const& form) {
+        return within(rows, {"regime", "rows"}, more_digits(form + "_delta", form, column), from, to);
+    });
 }
 Judge beside_symmetric(std::string const& form, double from, double to) {
     return labelled(form, within(long_memory, {"rows"}, more_digits(form, "symmetric"), from, to));

@@ -1,5 +1,4 @@
 // Rows that repeat: roundings average over distinct rows to nearest, over all rows at random.
-// Longer than 150 lines: exhaustive cycles, ten kinds of rows, a dithered form, and predictions with probabilities.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
@@ -22,6 +21,10 @@ namespace {
 
 using Word = VariablePrecision;
 double in_word(double x) { return nearest_in(PrecisionScope::format(), x); }
+
+Matrix<double> narrow(Matrix<Reference> const& wide) {
+    return wide.unaryExpr([](Reference const& x) { return static_cast<double>(x); });
+}
 
 /// ||Phat - P||_F / ||P||_F, and (tr Phat - tr P) / tr P.
 struct Off {
@@ -116,9 +119,7 @@ void cycles_of_two(Trial const& trial, TrialOutput& out) {
             double length = 0, error = 0;
             do {
                 auto const stored = f.stored().template mapped<Reference>([](Word const& x) { return widen(x); });
-                Matrix<double> const Phat =
-                    covariance_of(stored).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
-                error = std::max(error, Off(Phat, P).norm / u), ++length, period();
+                error = std::max(error, Off(narrow(covariance_of(stored)), P).norm / u), ++length, period();
             } while (numbers() != first);
             worst = std::max(worst, error), longest = std::max(longest, length);
         }
@@ -239,9 +240,6 @@ void run(Trial const& trial, TrialOutput& out) {
     }
     Records const records{.psi = rows.psi, .y = Vector<double>::Zero(count), .names = {}};
     Problem<double> const problem{.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 1}};
-    auto const narrow = [](Matrix<Reference> const& wide) {
-        return Matrix<double>(wide.unaryExpr([](Reference const& x) { return static_cast<double>(x); }));
-    };
     for (std::string const form : {"ud_delta", "carlson_delta", "ud", "carlson"}) {
         auto const& any = variable_precision_catalogue();
         CatalogueEntry const& entry =
@@ -270,27 +268,25 @@ void measure(Trial const& trial, TrialOutput& out) {
 // --- claims ----------------------------------------------------------------------------------------------------------
 
 using Words = std::vector<std::string>;
-Selection of(char const* form, char const* rounding) {
-    return where("form", Cell(form)).where("rounding", Cell(rounding));
-}
+Selection of(char const* form, char const* rounding) { return where("form", form).where("rounding", rounding); }
 Selection cycles(double period, double d) {
-    return of("ud_delta", "nearest").where("rows", Cell("every row")).where("period", period).where("d", d);
+    return of("ud_delta", "nearest").where("rows", "every row").where("period", period).where("d", d);
 }
 /// The geometric mean of a column over a seed's rows.
-double geometric(Table const& t, std::string const& column) {
-    double sum = 0;
-    std::vector<double> const all = t.numbers(column);
-    for (double const x : all) sum += correctly::log(x);
-    return correctly::exp(sum / double(all.size()));
-}
-Statistic const over_law([](Table const& t) { return geometric(t, "ratio"); });
-/// The error of the rows that `column` calls `one`, over that of those called `other`.
-Statistic between_cells(std::string column, char const* one, char const* other) {
+Statistic geometric(std::string column) {
     return [=](Table const& t) {
-        return geometric(t.where(column, Cell(one)), "error") / geometric(t.where(column, Cell(other)), "error");
+        double sum = 0;
+        std::vector<double> const all = t.numbers(column);
+        for (double const x : all) sum += correctly::log(x);
+        return correctly::exp(sum / double(all.size()));
     };
 }
-Selection of_form(char const* form) { return where("form", Cell(form)); }
+Statistic const over_law = geometric("ratio");
+/// `of` the rows that `column` calls `one`, over that of those called `other`.
+Statistic between_cells(std::string column, char const* one, char const* other, char const* of = "error") {
+    return geometric(of).on(where(column, one)) / geometric(of).on(where(column, other));
+}
+Selection of_form(char const* form) { return where("form", form); }
 Words const repeated{"period 4", "period 16", "period 64", "period 256"}, met{"phasors", "prbs", "means"},
     awake{"period 4", "period 16", "period 64", "period 256", "phasors", "prbs", "means", "white"};
 Selection const at_random = of("ud_delta", "stochastic").where("rows", awake);
@@ -304,8 +300,7 @@ Basis const set_before_seen =
 
 }  // namespace
 
-extern Study const distinct_rows;
-Study const distinct_rows{
+extern Study const distinct_rows{
     .name = "distinct_rows",
     .question = "How much of P is lost where rows repeat, and does rounding at random cure it?",
     .source = "derived (docs/theory.md 91, 135 to 137)",
@@ -358,82 +353,71 @@ c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
                .y_label = "relative error of P / u",
                .where = {{"rows", repeated}, {"memory", {"1000"}}, {"word", {"24"}}, {"d", {"4"}}}}},
     // The last number of each: the probability that was given to "holds" before any run.
-    .claims =
-        {
-            {"P in double lies within 1e-10 of the certified one",
-             within(of_form("reference"), {}, greatest("error"), 0, 1e-10), verification("u of double, times m"), 0.97},
-            {"one parameter, one row, 8 bits and more: the worst cycle of ud_delta errs by 0.85 to 1.35 u m",
-             within(cycles(1, 1).where("word", at_least(8)), {"word"}, greatest("ratio").as(Estimate::fixed), 0.85,
-                    1.35),
-             set_before, 0.65},
-            {"two rows, one parameter or two: by 0.5 to 1.5 u m",
-             within(cycles(2, 1), {"word"}, greatest("ratio").as(Estimate::fixed), 0.5, 1.5) &&
-                 within(cycles(2, 2), {"word"}, greatest("ratio").as(Estimate::fixed), 0.5, 1.5),
-             set_before, 0.6},
-            {"a constant row: ud_delta errs by 0.9 to 1.1 times u m over the significand of P",
-             within(of("ud_delta", "nearest").where("rows", Cell("constant")), {"word", "memory"}, over_law, 0.9, 1.1),
-             set_before, 0.75},
-            {"white rows of period 4, 16, 64, 256, to nearest: ud_delta has 0.5 to 1.5 times its law, the mean over "
-             "settings",
-             within(of("ud_delta", "nearest").where("rows", repeated), {"rows"}, over_law, 0.5, 1.5), set_before_seen,
-             0.65},
-            {"phasors, PRBS, means of groups, to nearest: 0.4 to 1.6 times",
-             within(of("ud_delta", "nearest").where("rows", met), {"rows"}, over_law, 0.4, 1.6), set_before, 0.4},
-            {"stochastic rounding: ud_delta has 0.5 to 1.6 times its law, whatever rows but a constant",
-             within(at_random, {"rows"}, root_mean_square("ratio"), 0.5, 1.6), set_before, 0.55},
-            {"there the trace of P errs by -0.1 to 0.1 times the law, the mean over rows and settings",
-             within(at_random, {}, Statistic(mean("trace")).as(Estimate::mean), -0.1, 0.1), set_before, 0.75},
-            {"stochastic rounding: ud errs by 1.3 to 2.3 times what ud_delta does",
-             within(where("rounding", Cell("stochastic")).where("rows", awake), {"memory"},
-                    between_cells("form", "ud", "ud_delta"), 1.3, 2.3),
-             set_before, 0.6},
-            {"24 bits, the longest memory: carlson, whose root of lambda is rounded once, at least 5 times what "
-             "carlson_delta does",
-             within(where("rounding", Cell("stochastic"))
-                        .where("rows", awake)
-                        .where("word", 24.0)
-                        .where("memory", at_least(1000)),
-                    {}, between_cells("form", "carlson", "carlson_delta"), 5, INFINITY),
-             set_before, 0.7},
-            {"24 bits, memories of 1000 and more, to nearest: 16 rows in an order that is drawn anew each period err "
-             "by 0.6 to 1.6 times what rows without repetition do",
-             within(of("ud_delta", "nearest").where("word", 24.0).where("memory", at_least(1000)), {"memory"},
-                    between_cells("rows", "shuffled 16", "white"), 0.6, 1.6),
-             set_before, 0.55},
-            {"period 4, phasors, PRBS: with one random bit a row, +-1/4 unit, ud_delta has 0.4 to 1.8 times the law of "
-             "stochastic rounding",
-             within(of("ud_delta", "bit").where("rows", dithered), {"rows"}, root_mean_square("ratio"), 0.4, 1.8),
-             set_before, 0.55},
-            {"a constant row: that bit leaves 0.4 to 0.6 of the error to nearest",
-             within(of_form("ud_delta").where("rows", Cell("constant")).where("word", 24.0), {"memory"},
-                    between_cells("rounding", "bit", "nearest"), 0.4, 0.6),
-             set_before, 0.7},
-            {"to nearest over stochastically, period 4 to 256: 0.6 to 1.5 times sqrt(m / min(T, 2 m))",
-             within(of_form("ud_delta").where("rows", repeated), {"memory"}, Statistic([](Table const& t) {
-                        auto const ratio = [&](char const* rounding, char const* column) {
-                            return geometric(t.where("rounding", Cell(rounding)), column);
-                        };
-                        return ratio("nearest", "ratio") / ratio("stochastic", "ratio");
-                    }),
-                    0.6, 1.5),
-             set_before_seen, 0.6},
-            {"rows that determine each parameter, to nearest: ud_delta has 0.5 to 1.5 times its law at each period of "
-             "white rows",
-             within(determined(of("ud_delta", "nearest").where("rows", repeated)), {"rows"}, over_law, 0.5, 1.5),
-             set_after},
-            {"such rows, stochastically: 0.5 to 1.6 times its law, and a mean error of the trace of -0.1 to 0.1",
-             within(determined(at_random), {"rows"}, root_mean_square("ratio"), 0.5, 1.6) &&
-                 within(determined(at_random), {}, Statistic(mean("trace")).as(Estimate::mean), -0.1, 0.1),
-             set_after},
-            {"period 4, phasors, PRBS: a uniform dither of one unit leaves 0.4 to 1.6 times the law of stochastic "
-             "rounding",
-             within(of("ud_delta", "dither").where("rows", dithered), {"rows"}, root_mean_square("ratio"), 0.4, 1.6),
-             set_after},
-            {"there one random bit a row leaves 0.3 to 0.8 of the error to nearest",
-             within(of_form("ud_delta").where("rows", dithered).where("word", 24.0).where("d", 4.0), {"rows"},
-                    between_cells("rounding", "bit", "nearest"), 0.3, 0.8),
-             set_after},
-        },
-};
+    .claims = {
+        {"P in double lies within 1e-10 of the certified one",
+         within(of_form("reference"), {}, greatest("error"), 0, 1e-10), verification("u of double, times m"), 0.97},
+        {"one parameter, one row, 8 bits and more: the worst cycle of ud_delta errs by 0.85 to 1.35 u m",
+         within(cycles(1, 1).where("word", at_least(8)), {"word"}, greatest("ratio").as(Estimate::fixed), 0.85, 1.35),
+         set_before, 0.65},
+        {"two rows, one parameter or two: by 0.5 to 1.5 u m",
+         within(cycles(2, 1), {"word"}, greatest("ratio").as(Estimate::fixed), 0.5, 1.5) &&
+             within(cycles(2, 2), {"word"}, greatest("ratio").as(Estimate::fixed), 0.5, 1.5),
+         set_before, 0.6},
+        {"a constant row: ud_delta errs by 0.9 to 1.1 times u m over the significand of P",
+         within(of("ud_delta", "nearest").where("rows", "constant"), {"word", "memory"}, over_law, 0.9, 1.1),
+         set_before, 0.75},
+        {"white rows of period 4, 16, 64, 256, to nearest: ud_delta has 0.5 to 1.5 times its law, the mean over "
+         "settings",
+         within(of("ud_delta", "nearest").where("rows", repeated), {"rows"}, over_law, 0.5, 1.5), set_before_seen,
+         0.65},
+        {"phasors, PRBS, means of groups, to nearest: 0.4 to 1.6 times",
+         within(of("ud_delta", "nearest").where("rows", met), {"rows"}, over_law, 0.4, 1.6), set_before, 0.4},
+        {"stochastic rounding: ud_delta has 0.5 to 1.6 times its law, whatever rows but a constant",
+         within(at_random, {"rows"}, root_mean_square("ratio"), 0.5, 1.6), set_before, 0.55},
+        {"there the trace of P errs by -0.1 to 0.1 times the law, the mean over rows and settings",
+         within(at_random, {}, Statistic(mean("trace")).as(Estimate::mean), -0.1, 0.1), set_before, 0.75},
+        {"stochastic rounding: ud errs by 1.3 to 2.3 times what ud_delta does",
+         within(where("rounding", "stochastic").where("rows", awake), {"memory"},
+                between_cells("form", "ud", "ud_delta"), 1.3, 2.3),
+         set_before, 0.6},
+        {"24 bits, the longest memory: carlson, whose root of lambda is rounded once, at least 5 times what "
+         "carlson_delta does",
+         within(
+             where("rounding", "stochastic").where("rows", awake).where("word", 24.0).where("memory", at_least(1000)),
+             {}, between_cells("form", "carlson", "carlson_delta"), 5, INFINITY),
+         set_before, 0.7},
+        {"24 bits, memories of 1000 and more, to nearest: 16 rows in an order that is drawn anew each period err "
+         "by 0.6 to 1.6 times what rows without repetition do",
+         within(of("ud_delta", "nearest").where("word", 24.0).where("memory", at_least(1000)), {"memory"},
+                between_cells("rows", "shuffled 16", "white"), 0.6, 1.6),
+         set_before, 0.55},
+        {"period 4, phasors, PRBS: with one random bit a row, +-1/4 unit, ud_delta has 0.4 to 1.8 times the law of "
+         "stochastic rounding",
+         within(of("ud_delta", "bit").where("rows", dithered), {"rows"}, root_mean_square("ratio"), 0.4, 1.8),
+         set_before, 0.55},
+        {"a constant row: that bit leaves 0.4 to 0.6 of the error to nearest",
+         within(of_form("ud_delta").where("rows", "constant").where("word", 24.0), {"memory"},
+                between_cells("rounding", "bit", "nearest"), 0.4, 0.6),
+         set_before, 0.7},
+        {"to nearest over stochastically, period 4 to 256: 0.6 to 1.5 times sqrt(m / min(T, 2 m))",
+         within(of_form("ud_delta").where("rows", repeated), {"memory"},
+                between_cells("rounding", "nearest", "stochastic", "ratio"), 0.6, 1.5),
+         set_before_seen, 0.6},
+        {"rows that determine each parameter, to nearest: ud_delta has 0.5 to 1.5 times its law at each period of "
+         "white rows",
+         within(determined(of("ud_delta", "nearest").where("rows", repeated)), {"rows"}, over_law, 0.5, 1.5),
+         set_after},
+        {"such rows, stochastically: 0.5 to 1.6 times its law, and a mean error of the trace of -0.1 to 0.1",
+         within(determined(at_random), {"rows"}, root_mean_square("ratio"), 0.5, 1.6) &&
+             within(determined(at_random), {}, Statistic(mean("trace")).as(Estimate::mean), -0.1, 0.1),
+         set_after},
+        {"period 4, phasors, PRBS: a uniform dither of one unit leaves 0.4 to 1.6 times the law of stochastic "
+         "rounding",
+         within(of("ud_delta", "dither").where("rows", dithered), {"rows"}, root_mean_square("ratio"), 0.4, 1.6),
+         set_after},
+        {"there one random bit a row leaves 0.3 to 0.8 of the error to nearest",
+         within(of_form("ud_delta").where("rows", dithered).where("word", 24.0).where("d", 4.0), {"rows"},
+                between_cells("rounding", "bit", "nearest"), 0.3, 0.8),
+         set_after}}};
 
 }  // namespace rlslab::studies

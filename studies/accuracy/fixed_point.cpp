@@ -1,5 +1,5 @@
 // Fixed-point words: how many bits behind the point, before it and in all each variant needs, against memory,
-// conditioning, size and scale. Longer than 150 lines: 18 claims.
+// conditioning, size and scale.
 #include "studies/accuracy/fixed_runs.hpp"
 #include <rlslab/studies/judgements.hpp>
 
@@ -70,13 +70,9 @@ Selection in_unit_interval(std::vector<std::string> const& variants) { return so
 Selection const that_survive = where("fraction", [](double bits) { return std::isfinite(bits); });
 /// symmetric's mean on rows of variance 1, within a band for each pole of the table.
 Judge at_each_pole(std::string const& column, std::map<double, std::pair<double, double>> const& bands) {
-    return of_unit_rows({"symmetric"}).judged([=](Table const& t) {
-        std::vector<Judgement> out;
-        for (auto const& [name, rows] : t.groups({"pole"})) {
-            auto const [from, to] = bands.at(rows.numbers("pole").front());
-            out.push_back(labelled(name, within(rows, {"lambda"}, mean(column), from, to)));
-        }
-        return together(out);
+    return of_unit_rows({"symmetric"}).each_judged({"pole"}, [=](Table const& rows) {
+        auto const [from, to] = bands.at(rows.numbers("pole").front());
+        return within(rows, {"lambda"}, mean(column), from, to);
     });
 }
 /// The mean over seeds of what f says of the rows of one.
@@ -94,8 +90,8 @@ Statistic less(std::string column, std::function<double(Table const&)> law) {
 }
 /// What rows 2^3 times as large cost symmetric.
 Judge costs(std::string const& column, double from, double to) {
-    Statistic const cost = of_each_seed(
-        [=](Table const& g) { return g.where("shift", 0.0).number(column) - g.where("shift", 3.0).number(column); });
+    Statistic const bits = number(column),
+                    cost = of_each_seed(bits.on(where("shift", 0.0)) - bits.on(where("shift", 3.0)));
     return within(some({"symmetric"}).where("d", 4.0), {"pole", "lambda"}, cost, from, to);
 }
 Statistic const ends_by_a_zero_pivot{[](Table const& seed) {
@@ -109,6 +105,7 @@ double half_memory(Table const& row) {
     double const lambda = row.number("lambda");
     return correctly::log2(1 / (1 - lambda * lambda)) / 2;
 }
+Basis const item_66 = own_result("docs/theory.md 66, set before the run");
 
 }  // namespace
 
@@ -182,27 +179,23 @@ extern Study const fixed_point{
          at_each_pole("floating", {{0, {4, 9}}, {0.9, {8, 10}}, {0.99, {13, 14}}}),
          own_result("set after a pilot at the quick budget")},
         {"X2: in most runs no variant survives with fewer than log2 1/(1 - lambda) bits behind the point",
-         within(that_survive, by_data, less("fraction", memory).as(Estimate::most), 0, 48),
-         own_result("docs/theory.md 66, set before the run")},
+         within(that_survive, by_data, less("fraction", memory).as(Estimate::most), 0, 48), item_66},
         {"X2: forms that multiply by the root of lambda need one bit more than that, in most runs",
          within(that_survive.where("variant", doubly_root), by_data, less("fraction", memory).as(Estimate::most), 1,
                 48),
-         own_result("docs/theory.md 66, set before the run")},
+         item_66},
         {"X3: forms that propagate P: log2 1/lambda_min + (1/2) log2 1/(1 - lambda^2) + 3 bits behind the point, to 2",
          within(some(P_forms), by_data,
                 less("fraction", [](Table const& r) { return -r.number("log2_least_P") + half_memory(r) + 3; }), -2, 2),
-         own_result("docs/theory.md 66, set before the run")},
+         item_66},
         {"X3: rows 2^3 times as large cost symmetric 6 bits behind the point, to 1, and no bit of the word, to 1",
-         labelled("behind the point", costs("fraction", 5, 7)) && labelled("word", costs("word", -1, 1)),
-         own_result("docs/theory.md 66, set before the run")},
+         labelled("behind the point", costs("fraction", 5, 7)) && labelled("word", costs("word", -1, 1)), item_66},
         {"sums that are exact until stored save 0 to 2 bits behind the point against products that are rounded "
          "(symmetric, ud, qr)",
-         within(of_unit_rows({"symmetric", "ud", "qr"}), by_data,
-                less("fraction_rounded", [](Table const& r) { return r.number("fraction"); }), 0, 2),
+         within(of_unit_rows({"symmetric", "ud", "qr"}), by_data, less("fraction_rounded", number("fraction")), 0, 2),
          own_result("docs/theory.md 65, set before the run")},
         {"X4: qr, rows of variance 1: log2 1/(1 - lambda) + 1 to 4 bits behind the point, whatever the colour",
-         within(of_unit_rows({"qr"}), by_data, less("fraction", memory), 1, 4),
-         own_result("docs/theory.md 66, set before the run")},
+         within(of_unit_rows({"qr"}), by_data, less("fraction", memory), 1, 4), item_66},
         {"about 8 bits behind the point suffice for qr (lambda up to 0.99, rows of variance 1)",
          within(of_unit_rows({"qr"}).where("lambda", below(0.995)), by_data, mean("fraction"), 0, 8.5),
          reproduction("Raghunath & Parhi 1997 (abstract read)")},
@@ -227,12 +220,12 @@ extern Study const fixed_point{
                          return r.number("log2_greatest_P") - r.number("log2_least_P") + half_memory(r) + 4;
                      }),
                 -3, 3),
-         own_result("docs/theory.md 66, set before the run")},
+         item_66},
         {"theta's noise from rounding is that of one rounding of K e: within a factor of 1.25 of the law "
          "(symmetric, ud; white rows)",
-         within(some({"symmetric", "ud"}).where("pole", 0.0), by_data,
-                of_each_seed([](Table const& r) { return r.number("theta_noise"); }), 1 / 1.25, 1.25),
-         own_result("docs/theory.md 66, set before the run")},
+         within(some({"symmetric", "ud"}).where("pole", 0.0), by_data, of_each_seed(number("theta_noise")), 1 / 1.25,
+                1.25),
+         item_66},
         {"in words of 32 bits, rows in [-1, 1), every dense variant survives most runs but conventional and kalman",
          everywhere(
              in_unit_interval({"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson",

@@ -1,11 +1,10 @@
 // In which basis Joseph's products lose digits: units of the columns, rotated columns, scaled ones, and the basis of
-// the first rows. Longer than 150 lines: the bound of docs/theory.md 114, a filter of its own, and fourteen claims.
+// the first rows.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/spectra.hpp>
 
 #include <rlslab/adapt/around.hpp>
-#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/linalg/triangles.hpp>
 #include <rlslab/variants/joseph.hpp>
@@ -244,6 +243,17 @@ Judge beside_ud(std::string const& measure) {
     return within(where("form", {"whitened joseph", "ud"}), {"basis", "d", "memory", "spectrum", "theta"},
                   ratio(measure, "whitened joseph", "ud"), 0.1, 10);
 }
+Plot error_of_P(std::string const& in, std::string const& basis) {
+    return {.title = "Error of P, " + in,
+            .x = "kappa",
+            .y = "P",
+            .series = "form",
+            .panel = "spectrum",
+            .x_label = "condition number of the regressors",
+            .y_label = "relative error of P",
+            .where = {{"basis", {basis}}, {"theta", {"along v_1"}}}};
+}
+Basis const item_119 = own_result("docs/theory.md 119, before a run");
 
 }  // namespace
 
@@ -277,22 +287,7 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
                 {"replicate", counted(100), counted(11)}},
     .measures = {"theta", "form", "P", "error_of_theta", "bound"},
     .measure = measure,
-    .plots = {{.title = "Error of P, rotated columns",
-               .x = "kappa",
-               .y = "P",
-               .series = "form",
-               .panel = "spectrum",
-               .x_label = "condition number of the regressors",
-               .y_label = "relative error of P",
-               .where = {{"basis", {"rotated"}}, {"theta", {"along v_1"}}}},
-              {.title = "Error of P, units of the columns",
-               .x = "kappa",
-               .y = "P",
-               .series = "form",
-               .panel = "spectrum",
-               .x_label = "condition number of the regressors",
-               .y_label = "relative error of P",
-               .where = {{"basis", {"units"}}, {"theta", {"along v_1"}}}}},
+    .plots = {error_of_P("rotated columns", "rotated"), error_of_P("units of the columns", "units")},
     .claims = {
         {"rotated: joseph's error of P has a slope of 2.3 ... 3.3 in kappa, for each spectrum, d and N",
          within(of("rotated", {"joseph"}), by_problem, slope("kappa", "P"), 2.3, 3.3),
@@ -320,20 +315,17 @@ A_k &= I - K\psi^\top, \quad T_k = P_N P_k^{-1} \\
                                              : 1.0;
                               }).as(Estimate::proven),
                 0, 0),
-         own_result("docs/theory.md 119, before a run").by("docs/theory.md 119")},
+         item_119.by("docs/theory.md 119")},
         {"scaled to columns of length 1 it has them to a factor of 1.5 in the median",
          within(where("theta", "along v_1").where("form", {"joseph", "joseph scaled to length 1"}), by_basis,
                 ratio("P", "joseph scaled to length 1", "joseph"), 1 / 1.5, 1.5),
-         own_result("docs/theory.md 119, before a run")},
+         item_119},
         {"in the basis of the first 4 d rows the slope of joseph is 0.7 ... 1.3 for rotated columns",
-         within(of("rotated", {"whitened joseph"}), by_problem, slope("kappa", "P"), 0.7, 1.3),
-         own_result("docs/theory.md 119, before a run")},
+         within(of("rotated", {"whitened joseph"}), by_problem, slope("kappa", "P"), 0.7, 1.3), item_119},
         {"and -0.2 ... 0.2 for units of columns",
-         within(of("units", {"whitened joseph"}), by_problem, slope("kappa", "P"), -0.2, 0.2),
-         own_result("docs/theory.md 119, before a run")},
+         within(of("units", {"whitened joseph"}), by_problem, slope("kappa", "P"), -0.2, 0.2), item_119},
         {"its error of P and of theta is 0.1 ... 10 times that of ud, for each direction of theta",
-         labelled("P", beside_ud("P")) && labelled("theta", beside_ud("error_of_theta")),
-         own_result("docs/theory.md 119, before a run")},
+         labelled("P", beside_ud("P")) && labelled("theta", beside_ud("error_of_theta")), item_119},
         {"joseph's error stays below the bound of first order where that is below 0.01 (the worst run, of most "
          "seeds), and is above 1/1000 of it in the median",
          within(bounded, by_basis, of_bound(true), 0, 1) && within(bounded, by_basis, of_bound(false), 1e-3, 1),

@@ -18,8 +18,7 @@ constexpr double u = 0x1p-53;
 
 double norm(Matrix<double> const& A) {
     double sum = 0;
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i) sum += A(i, j) * A(i, j);
+    for (double const x : A.reshaped()) sum += x * x;
     return std::sqrt(sum);
 }
 

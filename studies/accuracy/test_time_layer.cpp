@@ -1,5 +1,4 @@
 // The state of a layer that solves least squares at each token, in words of 8, 16 and 32 bits.
-// Longer than 150 lines: states, words, and predictions with their probabilities.
 #include "studies/accuracy/test_time_layer.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
@@ -206,19 +205,18 @@ struct Cells {
     double size, gate, kappa;
     char const *word, *rounding, *rounded;
 };
-Selection of(Cells const& c) {
+Selection of(Cells const& c, std::vector<std::string> variants, char const* solve = "exact") {
     return where("size", c.size)
         .where("gate", c.gate)
         .where("kappa", c.kappa)
-        .where("word", Cell(c.word))
-        .where("rounding", Cell(c.rounding))
-        .where("rounded", Cell(c.rounded));
-}
-Selection of(Cells const& c, std::vector<std::string> variants, char const* solve = "exact") {
-    return of(c).where("variant", std::move(variants)).where("solve", Cell(solve));
+        .where("word", c.word)
+        .where("rounding", c.rounding)
+        .where("rounded", c.rounded)
+        .where("solve", solve)
+        .where("variant", std::move(variants));
 }
 /// Undecided where the budget has no such row.
-Judge if_there(Selection rows, std::function<Judgement(Table const&)> judge) {
+Judge if_there(Selection rows, Judge judge) {
     return [=](Table const& t) {
         Table const mine = rows(t);
         return mine.empty() ? Judgement{Verdict::undecided, "not in this budget"} : judge(mine);
@@ -226,20 +224,17 @@ Judge if_there(Selection rows, std::function<Judgement(Table const&)> judge) {
 }
 /// The medians over the seeds of each form's column lie in [from, to].
 Judge lies(Selection rows, char const* column, double from, double to) {
-    return if_there(std::move(rows), [=](Table const& t) { return within(t, {"variant"}, median(column), from, to); });
+    return if_there(std::move(rows), within(all_rows, {"variant"}, median(column), from, to));
 }
 Judge lost(Selection rows) {  // in most runs
-    return if_there(std::move(rows), [](Table const& t) { return everywhere(t, "definite", 0.0); });
+    return if_there(std::move(rows), everywhere(all_rows, "definite", 0.0));
 }
 /// The same of (column where `by` is a) / (column where it is b), on the same keys.
 Judge ratio(Selection rows, char const* column, char const* by, Cell a, Cell b, double from, double to) {
     return if_there(std::move(rows), [=](Table const& t) {
         if (t.where(by, a).empty() || t.where(by, b).empty())
             return Judgement{Verdict::undecided, "not in this budget"};
-        Statistic const of_seed([=](Table const& r) {
-            return median(r.where(by, a).numbers(column)) / median(r.where(by, b).numbers(column));
-        });
-        return within(t, {}, of_seed, from, to);
+        return within(t, {}, median(column).on(where(by, a)) / median(column).on(where(by, b)), from, to);
     });
 }
 
@@ -257,10 +252,10 @@ Cells small(double gate, char const* word, char const* rounding, char const* rou
 Selection of_P(std::vector<std::string> variants) {  // rounded to bfloat16 at each row
     return where("size", 32.0)
         .where("kappa", 30.0)
-        .where("word", Cell("bfloat16"))
-        .where("rounded", Cell("each row"))
-        .where("variant", std::move(variants))
-        .where("solve", Cell("exact"));
+        .where("word", "bfloat16")
+        .where("rounded", "each row")
+        .where("solve", "exact")
+        .where("variant", std::move(variants));
 }
 std::vector<std::string> const factors{
     "ud", "ud_long_D", "qr", "gentleman", "gentleman_long_D", "ud_delta", "carlson_delta", "inverse_qr_delta"};
@@ -268,8 +263,7 @@ std::vector<std::string> const stored_P{"conventional", "symmetric", "joseph_ran
 
 }  // namespace
 
-extern Study const test_time_layer;
-Study const test_time_layer{
+extern Study const test_time_layer{
     .name = "test_time_layer",
     .question = "Which state of a layer that solves least squares at each token keeps its answers in 16 bits?",
     .source = "derived; the layers: MesaNet 2025 and Gated KalmaNet 2026 (abstracts read; their public code read)",
@@ -287,18 +281,13 @@ Study const test_time_layer{
     .data =
         "keys of norm 1 in bfloat16, of condition kappa in drawn directions; values of 8 channels, half noise; 4 white "
         "queries for x, 4 drawn as the keys for the output; the error of the truth is bounded in each row",
-    .factors =
-        [](Budget budget) {
-            bool const full = budget == Budget::full;
-            using Cells = std::vector<Cell>;
-            return std::vector<Factor>{{"size", full ? Cells{32.0, 64.0, 128.0} : Cells{32.0, 128.0}},
-                                       {"gate", full ? Cells{0.99, 0.999, 1.0} : Cells{0.999, 1.0}},
-                                       {"kappa", full ? Cells{1.0, 30.0, 300.0} : Cells{30.0}},
-                                       {"word", {"bfloat16", "binary16", "e4m3", "float"}},
-                                       {"rounding", {"nearest", "stochastic"}},
-                                       {"rounded", {"each row", "each 16", "each 64", "once", "each operation"}},
-                                       {"replicate", counted(11)}};
-        },
+    .factors = {{"size", {32.0, 64.0, 128.0}, {32.0, 128.0}},
+                {"gate", {0.99, 0.999, 1.0}, {0.999, 1.0}},
+                {"kappa", {1.0, 30.0, 300.0}, {30.0}},
+                {"word", {"bfloat16", "binary16", "e4m3", "float"}},
+                {"rounding", {"nearest", "stochastic"}},
+                {"rounded", {"each row", "each 16", "each 64", "once", "each operation"}},
+                {"replicate", counted(11)}},
     .admits = admitted,
     .measures = {"variant", "solve", "x", "output", "output_white", "definite", "truth"},
     .measure = measure,
@@ -312,132 +301,108 @@ Study const test_time_layer{
                          {"rounded", {"each row"}},
                          {"solve", {"exact"}}}}},
     // The last number of each: the probability that was given to "holds" before any run.
-    .claims =
-        {
-            {"the truth is known: the bound of its error, with the ridge at the solve, is below 1e-6 in most runs",
-             if_there(
-                 where("variant", std::vector<std::string>{"H", "qr", "gentleman"}),
-                 [](Table const& t) { return within(t, {"size"}, greatest("truth").as(Estimate::most), 0, 1e-6); }),
-             verification("the least eigenvalue is not below the ridge; residual, rounding of H and of the residual")},
-            {"d = 128, g = 0.999, fp16 at each row: the output of gentleman errs by less than 0.006",
-             lies(of(decode, {"gentleman"}), "output", 0, 0.006), set_before, 0.45},
-            {"and that of ud, on its own problem", lies(of(decode, {"ud"}), "output", 0, 0.006), set_before, 0.35},
-            {"g = 1: gentleman's too", lies(of(no_gate, {"gentleman"}), "output", 0, 0.006), set_before, 0.15},
-            {"a factor, rounded every 16 rows: the outputs of gentleman and qr err by less than 0.006, g = 0.999",
-             lies(of(with(decode, "nearest", "each 16"), {"gentleman", "qr"}), "output", 0, 0.006), set_before, 0.75},
-            {"every 64 rows: less than 0.004, g = 0.999 and 1",
-             lies(of(with(decode, "nearest", "each 64"), {"gentleman", "qr"}), "output", 0, 0.004) &&
-                 lies(of(with(no_gate, "nearest", "each 64"), {"gentleman", "qr"}), "output", 0, 0.004),
-             set_before, 0.65},
-            {"rounded once: less than 0.001, g = 0.999 and 1",
-             lies(of(with(decode, "nearest", "once"), {"gentleman", "qr"}), "output", 0, 0.001) &&
-                 lies(of(with(no_gate, "nearest", "once"), {"gentleman", "qr"}), "output", 0, 0.001),
-             set_before, 0.85},
-            {"once, x of a bfloat16 gentleman errs less than x of a binary16 H: at most 0.9 of it, g = 1",
-             [](Table const& t) {
-                 Selection const once = where("size", 128.0)
-                                            .where("gate", 1.0)
-                                            .where("rounded", Cell("once"))
-                                            .where("solve", Cell("exact"));
-                 Statistic const share([](Table const& r) {
-                     auto const at = [&](char const* form, char const* word) {
-                         return r.where("variant", Cell(form)).where("word", Cell(word)).number("x");
-                     };
-                     return at("gentleman", "bfloat16") / at("H", "binary16");
-                 });
-                 return if_there(once.where("word", std::vector<std::string>{"bfloat16", "binary16"}),
-                                 [&](Table const& r) { return within(r, {}, share, 0, 0.9); })(t);
-             },
-             set_before, 0.75},
-            {"once, H in binary16: the output errs by less than 0.003 although x errs by more (g = 1)",
-             lies(of(with(no_gate, "nearest", "once"), {"H"}), "output", 0, 0.003) &&
-                 lies(of(with(no_gate, "nearest", "once"), {"H"}), "x", 0.003, 0.03),
-             set_before, 0.6},
-            {"H in binary16 at each row, g = 1, nearest: H + ridge is indefinite in most runs",
-             lost(of(no_gate, {"H"})), set_before, 0.85},
-            {"g = 0.999: the output of H errs by more than 0.006", lies(of(decode, {"H"}), "output", 0.006, 1e9),
-             set_before, 0.75},
-            {"gentleman, g = 1: x errs by 0.01 to 0.04", lies(of(no_gate, {"gentleman"}), "x", 0.01, 0.04), set_before,
-             0.75},
-            {"qr, g = 1: by 0.04 to 0.16", lies(of(no_gate, {"qr"}), "x", 0.04, 0.16), set_before, 0.75},
-            {"gentleman, g = 0.999: by 0.004 to 0.016", lies(of(decode, {"gentleman"}), "x", 0.004, 0.016), set_before,
-             0.75},
-            {"D in float helps gentleman to nearest, g = 1: at most 0.9 of its error of x",
-             ratio(of(no_gate, {"gentleman", "gentleman_long_D"}), "x", "variant", Cell("gentleman_long_D"),
-                   Cell("gentleman"), 0, 0.9),
-             set_before, 0.5},
-            {"stochastic rounding helps qr, g = 1: at most half of its error of x",
-             ratio(where("size", 128.0)
-                       .where("gate", 1.0)
-                       .where("word", Cell("binary16"))
-                       .where("rounded", Cell("each row"))
-                       .where("variant", Cell("qr"))
-                       .where("solve", Cell("exact")),
-                   "x", "rounding", Cell("stochastic"), Cell("nearest"), 0, 0.5),
-             set_before, 0.75},
-            {"in float H keeps its output to 1e-4, solved exactly",
-             if_there(where("word", Cell("float")).where("variant", Cell("H")).where("solve", Cell("exact")),
-                      [](Table const& t) {
-                          return within(t, {"size", "gate", "kappa"}, median("output"), 0, 1e-4);
-                      }),
-             set_before, 0.85},
-            {"30 steps of conjugate gradients in float leave 0.001 to 0.3 of x (d = 128, g = 1)",
-             lies(of(with(no_gate, "nearest", "once", "float"), {"H"}, "own"), "x", 0.001, 0.3), set_before, 0.65},
-            {"30 steps of Chebyshev in float leave less than 0.005 of the output (d = 128, g = 1)",
-             lies(of(with(no_gate, "nearest", "once", "float"), {"H"}, "chebyshev"), "output", 0, 0.005), set_before,
-             0.75},
-            {"Chebyshev with 0.02 ||H||_F bears binary16 at each row, g = 0.999: the output errs by less than 0.02",
-             lies(of(decode, {"H"}, "chebyshev"), "output", 0, 0.02), set_before, 0.65},
-            {"no factor is lost in bfloat16 or binary16, in most runs",
-             if_there(where("variant", factors)
-                          .where("word", std::vector<std::string>{"bfloat16", "binary16"})
-                          .where("solve", Cell("exact")),
-                      [](Table const& t) { return everywhere(t, "definite", 1.0); }),
-             set_before, 0.85},
-            {"d = 32, bfloat16 at each row: P is not definite in most runs of conventional, symmetric and "
-             "joseph_rank_two, at each gate, to nearest and stochastically",
-             if_there(of_P(stored_P),
-                      [](Table const& t) {
-                          std::vector<Judgement> parts;
-                          for (auto const& [name, rows] : t.groups({"variant", "gate", "rounding"}))
-                              parts.push_back(labelled(name, everywhere(rows, "definite", 0.0)));
-                          return together(parts);
-                      }),
-             set_before, 0.55},
-            {"there x of ud errs by less than 0.3 with stochastic rounding, at each gate",
-             if_there(of_P({"ud"}).where("rounding", Cell("stochastic")),
-                      [](Table const& t) { return within(t, {"gate"}, median("x"), 0, 0.3); }),
-             set_before, 0.65},
-            {"where the state alone is short ud_delta is ud: 0.8 to 1.25 of its error (binary16, g = 0.999)",
-             ratio(of(small(0.999, "binary16", "nearest", "each row"), {"ud", "ud_delta"}), "x", "variant",
-                   Cell("ud_delta"), Cell("ud"), 0.8, 1.25),
-             set_before, 0.7},
-            {"all operations in bfloat16 to nearest, g = 1: P of conventional, symmetric, joseph_rank_two is lost",
-             lost(of(small(1, "bfloat16", "nearest", "each operation"), stored_P)), set_before, 0.8},
-            {"all operations in binary16 to nearest, g = 1: x of gentleman errs by less than 0.1, solved exactly",
-             lies(of(small(1, "binary16", "nearest", "each operation"), {"gentleman"}), "x", 0, 0.1), set_before, 0.6},
-            {"all operations in bfloat16, stochastically, g = 1: x of ud_delta errs by less than 0.3",
-             lies(of(small(1, "bfloat16", "stochastic", "each operation"), {"ud_delta"}), "x", 0, 0.3), set_before,
-             0.55},
-            {"e4m3 at each row: no form's x errs by less than 0.1, at any gate, with either rounding",
-             if_there(where("word", Cell("e4m3")).where("rounded", Cell("each row")).where("solve", Cell("exact")),
-                      [](Table const& t) {
-                          return within(t, {"variant", "gate", "rounding"}, median("x"), 0.1, INFINITY);
-                      }),
-             set_before, 0.8},
-            {"e4m3, once: the output of gentleman errs by 0.01 to 0.12 (g = 0.999)",
-             lies(of(small(0.999, "e4m3", "nearest", "once"), {"gentleman"}), "output", 0.01, 0.12), set_before, 0.7},
-            {"a factor's error does not see the keys: binary16 once, gentleman, kappa 300 to 1: 0.5 to 3 (g = 1)",
-             ratio(where("size", 32.0)
-                       .where("gate", 1.0)
-                       .where("word", Cell("binary16"))
-                       .where("rounding", Cell("nearest"))
-                       .where("rounded", Cell("once"))
-                       .where("variant", Cell("gentleman"))
-                       .where("solve", Cell("exact")),
-                   "x", "kappa", 300.0, 1.0, 0.5, 3),
-             set_before, 0.65},
-        },
-};
+    .claims = {
+        {"the truth is known: the bound of its error, with the ridge at the solve, is below 1e-6 in most runs",
+         if_there(where("variant", {"H", "qr", "gentleman"}),
+                  within(all_rows, {"size"}, greatest("truth").as(Estimate::most), 0, 1e-6)),
+         verification("the least eigenvalue is not below the ridge; residual, rounding of H and of the residual")},
+        {"d = 128, g = 0.999, fp16 at each row: the output of gentleman errs by less than 0.006",
+         lies(of(decode, {"gentleman"}), "output", 0, 0.006), set_before, 0.45},
+        {"and that of ud, on its own problem", lies(of(decode, {"ud"}), "output", 0, 0.006), set_before, 0.35},
+        {"g = 1: gentleman's too", lies(of(no_gate, {"gentleman"}), "output", 0, 0.006), set_before, 0.15},
+        {"a factor, rounded every 16 rows: the outputs of gentleman and qr err by less than 0.006, g = 0.999",
+         lies(of(with(decode, "nearest", "each 16"), {"gentleman", "qr"}), "output", 0, 0.006), set_before, 0.75},
+        {"every 64 rows: less than 0.004, g = 0.999 and 1",
+         lies(of(with(decode, "nearest", "each 64"), {"gentleman", "qr"}), "output", 0, 0.004) &&
+             lies(of(with(no_gate, "nearest", "each 64"), {"gentleman", "qr"}), "output", 0, 0.004),
+         set_before, 0.65},
+        {"rounded once: less than 0.001, g = 0.999 and 1",
+         lies(of(with(decode, "nearest", "once"), {"gentleman", "qr"}), "output", 0, 0.001) &&
+             lies(of(with(no_gate, "nearest", "once"), {"gentleman", "qr"}), "output", 0, 0.001),
+         set_before, 0.85},
+        {"once, x of a bfloat16 gentleman errs less than x of a binary16 H: at most 0.9 of it, g = 1",
+         if_there(where("size", 128.0)
+                      .where("gate", 1.0)
+                      .where("rounded", "once")
+                      .where("solve", "exact")
+                      .where("word", {"bfloat16", "binary16"}),
+                  within(all_rows, {},
+                         number("x").on(where("variant", "gentleman").where("word", "bfloat16")) /
+                             number("x").on(where("variant", "H").where("word", "binary16")),
+                         0, 0.9)),
+         set_before, 0.75},
+        {"once, H in binary16: the output errs by less than 0.003 although x errs by more (g = 1)",
+         lies(of(with(no_gate, "nearest", "once"), {"H"}), "output", 0, 0.003) &&
+             lies(of(with(no_gate, "nearest", "once"), {"H"}), "x", 0.003, 0.03),
+         set_before, 0.6},
+        {"H in binary16 at each row, g = 1, nearest: H + ridge is indefinite in most runs", lost(of(no_gate, {"H"})),
+         set_before, 0.85},
+        {"g = 0.999: the output of H errs by more than 0.006", lies(of(decode, {"H"}), "output", 0.006, 1e9),
+         set_before, 0.75},
+        {"gentleman, g = 1: x errs by 0.01 to 0.04", lies(of(no_gate, {"gentleman"}), "x", 0.01, 0.04), set_before,
+         0.75},
+        {"qr, g = 1: by 0.04 to 0.16", lies(of(no_gate, {"qr"}), "x", 0.04, 0.16), set_before, 0.75},
+        {"gentleman, g = 0.999: by 0.004 to 0.016", lies(of(decode, {"gentleman"}), "x", 0.004, 0.016), set_before,
+         0.75},
+        {"D in float helps gentleman to nearest, g = 1: at most 0.9 of its error of x",
+         ratio(of(no_gate, {"gentleman", "gentleman_long_D"}), "x", "variant", "gentleman_long_D", "gentleman", 0, 0.9),
+         set_before, 0.5},
+        {"stochastic rounding helps qr, g = 1: at most half of its error of x",
+         ratio(where("size", 128.0)
+                   .where("gate", 1.0)
+                   .where("word", "binary16")
+                   .where("rounded", "each row")
+                   .where("variant", "qr")
+                   .where("solve", "exact"),
+               "x", "rounding", "stochastic", "nearest", 0, 0.5),
+         set_before, 0.75},
+        {"in float H keeps its output to 1e-4, solved exactly",
+         if_there(where("word", "float").where("variant", "H").where("solve", "exact"),
+                  within(all_rows, {"size", "gate", "kappa"}, median("output"), 0, 1e-4)),
+         set_before, 0.85},
+        {"30 steps of conjugate gradients in float leave 0.001 to 0.3 of x (d = 128, g = 1)",
+         lies(of(with(no_gate, "nearest", "once", "float"), {"H"}, "own"), "x", 0.001, 0.3), set_before, 0.65},
+        {"30 steps of Chebyshev in float leave less than 0.005 of the output (d = 128, g = 1)",
+         lies(of(with(no_gate, "nearest", "once", "float"), {"H"}, "chebyshev"), "output", 0, 0.005), set_before, 0.75},
+        {"Chebyshev with 0.02 ||H||_F bears binary16 at each row, g = 0.999: the output errs by less than 0.02",
+         lies(of(decode, {"H"}, "chebyshev"), "output", 0, 0.02), set_before, 0.65},
+        {"no factor is lost in bfloat16 or binary16, in most runs",
+         if_there(where("variant", factors).where("word", {"bfloat16", "binary16"}).where("solve", "exact"),
+                  everywhere(all_rows, "definite", 1.0)),
+         set_before, 0.85},
+        {"d = 32, bfloat16 at each row: P is not definite in most runs of conventional, symmetric and "
+         "joseph_rank_two, at each gate, to nearest and stochastically",
+         if_there(of_P(stored_P),
+                  all_rows.each_judged({"variant", "gate", "rounding"}, everywhere(all_rows, "definite", 0.0))),
+         set_before, 0.55},
+        {"there x of ud errs by less than 0.3 with stochastic rounding, at each gate",
+         if_there(of_P({"ud"}).where("rounding", "stochastic"), within(all_rows, {"gate"}, median("x"), 0, 0.3)),
+         set_before, 0.65},
+        {"where the state alone is short ud_delta is ud: 0.8 to 1.25 of its error (binary16, g = 0.999)",
+         ratio(of(small(0.999, "binary16", "nearest", "each row"), {"ud", "ud_delta"}), "x", "variant", "ud_delta",
+               "ud", 0.8, 1.25),
+         set_before, 0.7},
+        {"all operations in bfloat16 to nearest, g = 1: P of conventional, symmetric, joseph_rank_two is lost",
+         lost(of(small(1, "bfloat16", "nearest", "each operation"), stored_P)), set_before, 0.8},
+        {"all operations in binary16 to nearest, g = 1: x of gentleman errs by less than 0.1, solved exactly",
+         lies(of(small(1, "binary16", "nearest", "each operation"), {"gentleman"}), "x", 0, 0.1), set_before, 0.6},
+        {"all operations in bfloat16, stochastically, g = 1: x of ud_delta errs by less than 0.3",
+         lies(of(small(1, "bfloat16", "stochastic", "each operation"), {"ud_delta"}), "x", 0, 0.3), set_before, 0.55},
+        {"e4m3 at each row: no form's x errs by less than 0.1, at any gate, with either rounding",
+         if_there(where("word", "e4m3").where("rounded", "each row").where("solve", "exact"),
+                  within(all_rows, {"variant", "gate", "rounding"}, median("x"), 0.1, INFINITY)),
+         set_before, 0.8},
+        {"e4m3, once: the output of gentleman errs by 0.01 to 0.12 (g = 0.999)",
+         lies(of(small(0.999, "e4m3", "nearest", "once"), {"gentleman"}), "output", 0.01, 0.12), set_before, 0.7},
+        {"a factor's error does not see the keys: binary16 once, gentleman, kappa 300 to 1: 0.5 to 3 (g = 1)",
+         ratio(where("size", 32.0)
+                   .where("gate", 1.0)
+                   .where("word", "binary16")
+                   .where("rounding", "nearest")
+                   .where("rounded", "once")
+                   .where("variant", "gentleman")
+                   .where("solve", "exact"),
+               "x", "kappa", 300.0, 1.0, 0.5, 3),
+         set_before, 0.65}}};
 
 }  // namespace rlslab::studies

@@ -6,8 +6,6 @@
 #include <rlslab/core/stored.hpp>
 #include <rlslab/linalg/storage.hpp>
 
-#include <string>
-
 namespace rlslab::studies {
 
 /// H = sum_t g^(N-t) k_t k_t' and G = sum_t g^(N-t) v_t k_t' of N tokens; the layer answers G x with

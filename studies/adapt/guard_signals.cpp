@@ -1,5 +1,4 @@
 // How often a guard is wrong, what it misses, and how late it is.
-// Longer than 150 lines: the predicted rates of the signals stand here, and nine claims.
 #include "studies/adapt/guarded.hpp"
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
@@ -193,15 +192,13 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
 }
 
 Selection of(std::string const& signal) { return where("signal", signal); }
-Statistic const later = [](Table const& t) { return mean("measured")(t) - mean("predicted")(t); };
+Statistic const later = mean("measured") - mean("predicted");
 /// Those of one filter, if rows count as independent.
 Judgement alarms_of_c_6(Table const& t) {
-    double hits = 0;
-    for (double const x : t.numbers("measured")) hits += x;
-    return proportion(size_t(hits + 0.5), t.rows().size() * size_t(far), 0, 1e-4);
+    return proportion(size_t(sum("measured")(t) + 0.5), t.rows().size() * size_t(far), 0, 1e-4);
 }
 /// The mean of what was measured over what was predicted: a ratio of means, since a seed may have measured 0.
-Statistic const over_predicted([](Table const& t) { return mean("measured")(t) / mean("predicted")(t); });
+Statistic const over_predicted = mean("measured") / mean("predicted");
 
 }  // namespace
 

@@ -1,5 +1,4 @@
 // What random probes say of a running filter, beside the truth in 257 bits.
-// Longer than 150 lines: the runs, breakdowns and clean rows, and 21 predictions with their probabilities.
 #include <rlslab/adapt/certified.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/reference/definiteness.hpp>
@@ -203,45 +202,54 @@ void measure_in(Trial const& trial, TrialOutput& out) {
 
 std::vector<std::string> const shorter{"bfloat16", "binary16", "float"};
 
-Table of(Table const& t, std::string const& what) { return t.where("what", what); }
-/// The share of rows of which `hit` is true lies in [from, to].
-Judgement share(Table const& t, std::function<bool(double truth, double estimate, double bound)> const& hit,
-                double from, double to) {
+Selection of(char const* what) { return where("what", what); }
+Selection of(char const* what, char const* arithmetic) { return of(what).where("arithmetic", arithmetic); }
+
+using Hit = std::function<bool(double truth, double estimate, double bound)>;
+size_t hits_in(Table const& t, Hit const& hit) {
     auto const truth = t.numbers("truth"), estimate = t.numbers("estimate"), bound = t.numbers("bound");
     size_t hits = 0;
     for (size_t i = 0; i < truth.size(); ++i) hits += hit(truth[i], estimate[i], bound[i]);
-    return proportion(hits, truth.size(), from, to);
+    return hits;
+}
+/// The share of rows of which `hit` is true lies in [from, to].
+Judge share(Selection const& rows, Hit const& hit, double from, double to) {
+    return rows.judged([=](Table const& t) { return proportion(hits_in(t, hit), t.rows().size(), from, to); });
+}
+/// No row is such: a count of this table.
+Judge none(Selection const& rows, Hit const& hit) {
+    return rows.judged([=](Table const& t) {
+        size_t const hits = hits_in(t, hit);
+        double greatest = 0;
+        for (double const bound : t.numbers("bound")) greatest = std::max(greatest, bound);
+        std::string const said = fmt::format("{} of {}; greatest {:.3g}", hits, t.rows().size(), greatest);
+        return Judgement(hits == 0 && !t.empty(), said);
+    });
 }
 bool bound_below(double truth, double, double bound) { return bound < truth; }
 bool near(double truth, double estimate, double) { return truth / 2 <= estimate && estimate <= 2 * truth; }
 bool lost(double, double, double bound) { return !(bound < 1); }
-/// Rows from the bound to `health`.
-Statistic const warning([](Table const& t) { return t.number("truth") - t.number("bound"); });
-Table broke(Table const& t, double lambda) {
-    return of(t, "breakdown").where("arithmetic", "float").where("variant", "conventional").where("lambda", lambda);
+/// Of this many probes.
+Judge near_of(double probes, double from, double to) {
+    return share(of("rank one").where("variant", probes), near, from, to);
 }
-Table broken(Table const& t, std::string const& how) {  // with a row at which it did
-    return of(t, "breakdown").where(how, [](double row) { return std::isfinite(row); });
+/// Rows from the bound to `health` of conventional in float.
+Judge warns(double lambda, double from, double to) {
+    return within(of("breakdown", "float").where("variant", "conventional").where("lambda", lambda), {"rows"},
+                  number("truth") - number("bound"), from, to);
 }
-/// No row is such: a count of this table.
-Judgement none(Table const& t, std::function<bool(double truth, double estimate, double bound)> const& hit) {
-    auto const truth = t.numbers("truth"), estimate = t.numbers("estimate"), bound = t.numbers("bound");
-    size_t hits = 0;
-    double greatest = 0;
-    for (size_t i = 0; i < truth.size(); ++i)
-        hits += hit(truth[i], estimate[i], bound[i]), greatest = std::max(greatest, bound[i]);
-    return {hits == 0 && !truth.empty(), fmt::format("{} of {}; greatest {:.3g}", hits, truth.size(), greatest)};
+Selection broken(char const* how) {  // with a row at which it did
+    return of("breakdown").where(how, [](double row) { return std::isfinite(row); });
 }
-Judgement clean(Table const& t, double at) {
-    return none(of(t, "clean"), [at](double, double, double bound) { return !(bound <= at); });
+Judge clean(Selection const& rows, double at) {
+    return none(rows, [at](double, double, double bound) { return !(bound <= at); });
 }
 Basis const set_before = own_result("set before any run");
 Basis const set_anew = own_result("set before any run; the bound was given its floor after the first");
 
 }  // namespace
 
-extern Study const certificate;
-Study const certificate{
+extern Study const certificate{
     .name = "certificate",
     .question = "Does a running filter know how wrong its P and theta are?",
     .source = "derived (docs/theory.md 125 to 127); Freivalds 1977 for products",
@@ -255,18 +263,12 @@ Study const certificate{
     .data =
         "P0 = 256 I; white rows, delay lines of pole 0.95, rows with a common part 64 times their own, units from "
         "1 to 1/1024, a period of 7 rows, 20 zero rows first",
-    .factors =
-        [](Budget budget) {
-            bool const full = budget == Budget::full;
-            std::vector<Cell> const sizes =
-                full ? std::vector<Cell>{2.0, 4.0, 8.0, 16.0, 32.0, 128.0} : std::vector<Cell>{2.0, 4.0, 8.0};
-            return std::vector<Factor>{{"part", {"check", "breakdown", "clean"}},
-                                       {"arithmetic", {"bfloat16", "binary16", "float", "double"}},
-                                       {"lambda", {0.9, 0.98, 1.0}},
-                                       {"size", sizes},
-                                       {"rows", {"white", "line", "common", "units", "period", "rest"}},
-                                       {"replicate", counted(full ? 20 : 11)}};
-        },
+    .factors = {{"part", {"check", "breakdown", "clean"}},
+                {"arithmetic", {"bfloat16", "binary16", "float", "double"}},
+                {"lambda", {0.9, 0.98, 1.0}},
+                {"size", {2.0, 4.0, 8.0, 16.0, 32.0, 128.0}, {2.0, 4.0, 8.0}},
+                {"rows", {"white", "line", "common", "units", "period", "rest"}},
+                {"replicate", counted(20), counted(11)}},
     .admits =
         [](Trial const& t) {
             double const d = t.number("size"), lambda = t.number("lambda");
@@ -294,83 +296,50 @@ Study const certificate{
     .plots = {},
     // The last number of each: the probability that was given to "holds" before any run.
     .claims =
-        {
-            {"the bound lies below ||E||_F in at most 12 of 10^4 runs",
-             [](Table const& t) { return share(of(t, "E"), bound_below, 0, 12e-4); }, set_anew, 0.95},
-            {"it does so in at most 5 of 10^4: the stated risk",
-             [](Table const& t) { return share(of(t, "E"), bound_below, 0, 5e-4); }, set_anew, 0.75},
-            {"errors of rank one, 1 probe: 57.2 % of the estimates within [0.5, 2], to 5",
-             [](Table const& t) { return share(of(t, "rank one").where("variant", 1.0), near, 0.522, 0.622); },
-             set_before, 0.93},
-            {"of 3 probes 85.4 %, to 5",
-             [](Table const& t) { return share(of(t, "rank one").where("variant", 3.0), near, 0.804, 0.904); },
-             set_before, 0.93},
-            {"of 6 probes 94.9 %, to 4",
-             [](Table const& t) { return share(of(t, "rank one").where("variant", 6.0), near, 0.909, 0.989); },
-             set_before, 0.93},
-            {"errors as they come, words shorter than double: 88 to 99 %",
-             [](Table const& t) { return share(of(t, "E").where("arithmetic", shorter), near, 0.88, 0.99); },
-             set_before, 0.85},
-            {"double, whose probes round as it does: 5 to 60 % of the estimates are more than twice the truth",
-             [](Table const& t) {
-                 return share(
-                     of(t, "E").where("arithmetic", "double"),
-                     [](double truth, double estimate, double) { return estimate > 2 * truth; }, 0.05, 0.6);
-             },
-             set_before, 0.7},
-            {"words shorter than double: the bound is at most 20 times the truth in 85 to 99 %",
-             [](Table const& t) {
-                 return share(
-                     of(t, "E").where("arithmetic", shorter),
-                     [](double truth, double, double bound) { return bound <= 20 * truth; }, 0.85, 0.99);
-             },
-             set_before, 0.85},
-            {"the bound of theta lies below its error in at most 12 of 10^4 runs",
-             [](Table const& t) { return share(of(t, "theta"), bound_below, 0, 12e-4); }, set_before, 0.9},
-            {"theta's bound is 10 to 10^4 times its error in at least 70 %",
-             [](Table const& t) {
-                 return share(
-                     of(t, "theta"),
-                     [](double error, double, double bound) { return bound >= 10 * error && bound <= 1e4 * error; },
-                     0.7, 1);
-             },
-             set_before, 0.6},
-            {"where the bound is below 1, P is exactly definite but for 12 of 10^4 runs",
-             [](Table const& t) {
-                 return share(
-                     of(t, "definite"), [](double definite, double, double) { return definite != 1; }, 0, 12e-4);
-             },
-             set_before, 0.93},
-            {"bfloat16: the bound is not below 1 in 50 to 95 % of the runs",
-             [](Table const& t) { return share(of(t, "E").where("arithmetic", "bfloat16"), lost, 0.5, 0.95); },
-             set_before, 0.75},
-            {"binary16: in 10 to 50 %",
-             [](Table const& t) { return share(of(t, "E").where("arithmetic", "binary16"), lost, 0.1, 0.5); },
-             set_before, 0.65},
-            {"float: in fewer than 2 %",
-             [](Table const& t) { return share(of(t, "E").where("arithmetic", "float"), lost, 0, 0.02); }, set_before,
-             0.7},
-            {"conventional in float, lambda 0.9: the bound speaks 15 to 45 rows before health, in the median",
-             [](Table const& t) { return within(broke(t, 0.9), {"rows"}, warning, 15, 45); }, set_before, 0.75},
-            {"lambda 0.98: 75 to 230 rows before",
-             [](Table const& t) { return within(broke(t, 0.98), {"rows"}, warning, 75, 230); }, set_before, 0.7},
-            {"all forms, words up to float: in no run does health speak before the bound",
-             [](Table const& t) {
-                 return none(broken(t, "truth"), [](double health, double, double bound) { return health < bound; });
-             },
-             set_before, 0.85},
-            {"nor is P exactly indefinite before it",
-             [](Table const& t) {
-                 return none(broken(t, "estimate"),
-                             [](double, double indefinite, double bound) { return indefinite < bound; });
-             },
-             set_before, 0.85},
-            {"clean rows: no bound above 10^-2", [](Table const& t) { return clean(t, 1e-2); }, set_before, 0.85},
-            {"factor forms: none above 10^-3",
-             [](Table const& t) { return clean(t.where("variant", words(factor_forms())), 1e-3); }, set_before, 0.8},
-            {"in double none above 10^-10",
-             [](Table const& t) { return clean(t.where("arithmetic", "double"), 1e-10); }, set_before, 0.85},
-        },
-};
+        {{"the bound lies below ||E||_F in at most 12 of 10^4 runs", share(of("E"), bound_below, 0, 12e-4), set_anew,
+          0.95},
+         {"it does so in at most 5 of 10^4: the stated risk", share(of("E"), bound_below, 0, 5e-4), set_anew, 0.75},
+         {"errors of rank one, 1 probe: 57.2 % of the estimates within [0.5, 2], to 5", near_of(1, 0.522, 0.622),
+          set_before, 0.93},
+         {"of 3 probes 85.4 %, to 5", near_of(3, 0.804, 0.904), set_before, 0.93},
+         {"of 6 probes 94.9 %, to 4", near_of(6, 0.909, 0.989), set_before, 0.93},
+         {"errors as they come, words shorter than double: 88 to 99 %",
+          share(of("E").where("arithmetic", shorter), near, 0.88, 0.99), set_before, 0.85},
+         {"double, whose probes round as it does: 5 to 60 % of the estimates are more than twice the truth",
+          share(
+              of("E", "double"), [](double truth, double estimate, double) { return estimate > 2 * truth; }, 0.05, 0.6),
+          set_before, 0.7},
+         {"words shorter than double: the bound is at most 20 times the truth in 85 to 99 %",
+          share(
+              of("E").where("arithmetic", shorter),
+              [](double truth, double, double bound) { return bound <= 20 * truth; }, 0.85, 0.99),
+          set_before, 0.85},
+         {"the bound of theta lies below its error in at most 12 of 10^4 runs",
+          share(of("theta"), bound_below, 0, 12e-4), set_before, 0.9},
+         {"theta's bound is 10 to 10^4 times its error in at least 70 %",
+          share(
+              of("theta"),
+              [](double error, double, double bound) { return bound >= 10 * error && bound <= 1e4 * error; }, 0.7, 1),
+          set_before, 0.6},
+         {"where the bound is below 1, P is exactly definite but for 12 of 10^4 runs",
+          share(
+              of("definite"), [](double definite, double, double) { return definite != 1; }, 0, 12e-4),
+          set_before, 0.93},
+         {"bfloat16: the bound is not below 1 in 50 to 95 % of the runs", share(of("E", "bfloat16"), lost, 0.5, 0.95),
+          set_before, 0.75},
+         {"binary16: in 10 to 50 %", share(of("E", "binary16"), lost, 0.1, 0.5), set_before, 0.65},
+         {"float: in fewer than 2 %", share(of("E", "float"), lost, 0, 0.02), set_before, 0.7},
+         {"conventional in float, lambda 0.9: the bound speaks 15 to 45 rows before health, in the median",
+          warns(0.9, 15, 45), set_before, 0.75},
+         {"lambda 0.98: 75 to 230 rows before", warns(0.98, 75, 230), set_before, 0.7},
+         {"all forms, words up to float: in no run does health speak before the bound",
+          none(broken("truth"), [](double health, double, double bound) { return health < bound; }), set_before, 0.85},
+         {"nor is P exactly indefinite before it",
+          none(broken("estimate"), [](double, double indefinite, double bound) { return indefinite < bound; }),
+          set_before, 0.85},
+         {"clean rows: no bound above 10^-2", clean(of("clean"), 1e-2), set_before, 0.85},
+         {"factor forms: none above 10^-3", clean(of("clean").where("variant", words(factor_forms())), 1e-3),
+          set_before, 0.8},
+         {"in double none above 10^-10", clean(of("clean", "double"), 1e-10), set_before, 0.85}}};
 
 }  // namespace rlslab::studies

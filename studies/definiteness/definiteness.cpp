@@ -1,5 +1,4 @@
 // Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
-// Longer than 150 lines: ratios of medians have intervals of their own, and nine claims use them.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
@@ -115,14 +114,9 @@ Judgement earlier_in_longer_words(Table const& t) {
 }
 /// More than half of all runs do what `share` of those of a row did.
 Judge most(Selection const& rows, std::string const& share) {
-    return rows.judged([=](Table const& t) {
-        std::vector<Judgement> all;
-        for (auto const& [name, row] : t.groups({"arithmetic", "hardness", "variant"})) {
-            double const runs = row.number("runs");
-            all.push_back(
-                labelled(name, proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1)));
-        }
-        return together(all);
+    return rows.each_judged({"arithmetic", "hardness", "variant"}, [=](Table const& row) {
+        double const runs = row.number("runs");
+        return proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1);
     });
 }
 /// The step at which the antisymmetric rounding error has grown to 1: ln(1/u) / -ln lambda.
@@ -184,8 +178,7 @@ extern Study const definiteness{
         {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln "
          "lambda at the latest, within 10 %",
          within(ends.where("variant", "conventional"), {"arithmetic", "hardness"},
-                Statistic([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); }), 0,
-                1.1),
+                greatest("latest") / antisymmetric_law, 0, 1.1),
          own_result("docs/theory.md 37")},
         {"at kappa_P = 4/u every other covariance form and information lose it in at least half of the runs, in "
          "every arithmetic",

@@ -1,5 +1,5 @@
 // Fast forms of a delay line: how long the transversal filter lives, what feedback and lattices change, and the digits
-// of the prediction error beside variants. Longer than 150 lines: four measurements on one kind of record.
+// of the prediction error beside variants.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
@@ -11,7 +11,6 @@
 #include <rlslab/variants/ud.hpp>
 
 #include <cmath>
-#include <fmt/format.h>
 
 namespace rlslab::studies {
 namespace {
@@ -203,28 +202,22 @@ Statistic offset(std::string const& end) {
         return median(c);
     });
 }
+Statistic less_with_a_small_start(std::string const& column) {
+    return number(column).on(where("energy", 1.0)) - number(column).on(where("energy", small_start));
+}
 /// The rows that a smaller delta costs, over those of the law.
 Statistic cost_of_a_small_start(std::string const& end) {
-    return Statistic([=](Table const& t) {
-        return (t.where("energy", 1.0).number(end) - t.where("energy", small_start).number(end)) * forgets(t) /
-               (14 * correctly::log(2.0));
-    });
+    Statistic const rows = less_with_a_small_start(end);
+    return Statistic([=](Table const& t) { return rows(t) * forgets(t) / (14 * correctly::log(2.0)); });
 }
 Selection feedback(double from, double to) { return where("part", "feedback").where("lambda", between(from, to)); }
 Selection digits_at(double lambda) { return where("part", "digits").where("lambda", lambda); }
 /// Digits of one form less those of another.
-Statistic more(char const* form, char const* than) {
-    return Statistic([=](Table const& t) {
-        return t.where("form", form).number("digits") - t.where("form", than).number("digits");
-    });
-}
 Judge compared(char const* form, char const* than, double low, double high) {
-    return labelled(form, within(digits_at(0.96875), {"pole", "bits", "energy"}, more(form, than), low, high));
+    Statistic const more = number("digits").on(where("form", form)) - number("digits").on(where("form", than));
+    return labelled(form, within(digits_at(0.96875), {"pole", "bits", "energy"}, more, low, high));
 }
 Selection const without_forgetting = digits_at(1).where("bits", 53.0).where("form", "transversal");
-Statistic const cost_in_digits = [](Table const& two) {
-    return two.where("energy", 1.0).number("digits") - two.where("energy", small_start).number("digits");
-};
 char const* const later_band =
     "docs/theory.md 101; set after a quick run in which some fell asleep, before the full one";
 
@@ -274,7 +267,6 @@ extern Study const fast_forms{
                .panel = "lambda",
                .log = "",
                .x_label = "bits p",
-               .y_label = "digits",
                .where = {{"part", {"digits"}}}}},
     .claims = {
         {"transversal: each further bit is worth 1.0 +- 0.1 of ln 2 / -ln lambda rows",
@@ -312,8 +304,7 @@ extern Study const fast_forms{
          within(lattices, {"form", "pole", "lambda"}, least("diverged"), 1e9, INFINITY),
          own_result("docs/theory.md 103; set before the run")},
         {"and at the end lattices have the digits of rows 1000 to 2000, +- 0.3",
-         within(lattices, {"form", "pole", "lambda"},
-                Statistic([](Table const& at) { return at.number("digits") - at.number("early"); }), -0.3, 0.3),
+         within(lattices, {"form", "pole", "lambda"}, number("digits") - number("early"), -0.3, 0.3),
          own_result("docs/theory.md 103; set before the run")},
         {"lambda = 31/32: error-feedback and QR lattice lose at most one digit on ud and gain at most two",
          compared("error_feedback_lattice", "ud", -1, 2) && compared("qr_lattice", "ud", -1, 2),
@@ -324,7 +315,7 @@ extern Study const fast_forms{
          compared("stabilised_transversal", "ud", -4, -0.5), own_result("set before the run")},
         {"lambda = 1: in double the transversal filter has 3 to 12 digits; a start smaller by 2^-14 costs 2.5 to 5",
          within(without_forgetting, {"pole", "energy"}, median("digits"), 3, 12) &&
-             within(without_forgetting, {"pole"}, cost_in_digits, 2.5, 5),
+             within(without_forgetting, {"pole"}, less_with_a_small_start("digits"), 2.5, 5),
          own_result("docs/theory.md 101; set before the run")}}};
 
 }  // namespace rlslab::studies

@@ -1,5 +1,4 @@
 // P -= K G' by blocks of rows, Joseph's form by blocks, QR of blocks and normal equations, in float and double.
-// Longer than 150 lines: the published updates, which the library does not have, and 19 predictions.
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/linalg/product.hpp>
 #include <rlslab/studies/judgements.hpp>
@@ -285,26 +284,22 @@ void measure(Trial const& trial, TrialOutput& out) {
 // --- claims ----------------------------------------------------------------------------------------------------------
 
 Selection of(char const* part, char const* form, char const* word) {
-    return where("part", Cell(part)).where("form", Cell(form)).where("word", Cell(word));
+    return where("part", part).where("form", form).where("word", word);
 }
 /// Of the runs on rotated rows of kappa = 10.
 Selection ten(char const* form, char const* word) {
-    return of("run", form, word).where("rows", Cell("rotated")).where("kappa", 10.0);
+    return of("run", form, word).where("rows", "rotated").where("kappa", 10.0);
 }
 /// Of rows with a c^2 in [from, to], of kappa = 10.
 Selection priors(char const* rows, double from, double to) {
-    return where("part", Cell("run")).where("rows", Cell(rows)).where("kappa", 10.0).where("c2", between(from, to));
+    return where("part", "run").where("rows", rows).where("kappa", 10.0).where("c2", between(from, to));
 }
-Selection in_float(char const* rows, double from, double to) {
-    return priors(rows, from, to).where("word", Cell("float"));
-}
-/// `number` of the rows with the one value of `column` over that of the other, on the same data, in each setting.
-Judge over(Selection const& rows, std::string column, std::string one, std::string other, std::string number,
-           double from, double to) {
-    Statistic const ratio([=](Table const& t) {
-        return t.where(column, Cell(one)).number(number) / t.where(column, Cell(other)).number(number);
-    });
-    return within(rows, {"d", "k", "c2"}, ratio, from, to);
+Selection in_float(char const* rows, double from, double to) { return priors(rows, from, to).where("word", "float"); }
+/// `of` the rows with the one value of `column` over that of the other, on the same data, in each setting.
+Judge over(Selection const& rows, std::string column, std::string one, std::string other, std::string of, double from,
+           double to) {
+    Statistic const x = number(of);
+    return within(rows, {"d", "k", "c2"}, x.on(where(column, one)) / x.on(where(column, other)), from, to);
 }
 Basis const set_before = own_result("set before any run, after runs of numpy and of a GPU on other rows");
 Basis const narrowed = own_result("set before any run; d = 256, which has one c^2, was taken out after the first");
@@ -313,8 +308,7 @@ Selection sloped(char const* form, char const* word) { return ten(form, word).wh
 
 }  // namespace
 
-extern Study const blocks;
-Study const blocks{
+extern Study const blocks{
     .name = "blocks",
     .question = "Which update by blocks of rows can be trusted in float, and with a gain in tf32 or bfloat16?",
     .source = "derived (docs/theory.md 132 to 134)",
@@ -355,74 +349,64 @@ P - KF' - FK',\ F = G - \tfrac12 KS &: \quad \delta P = \delta K\,S\,\delta K' /
     .measure = measure,
     .plots = {},
     // The last number of each: the probability that was given to "holds" before any run.
-    .claims =
-        {
-            {"the reference in pairs of doubles lies within 1e-20 of the certified theta",
-             within(where("part", Cell("reference")), {}, greatest("theta"), 0, 1e-20),
-             verification("d N 2^-104 times the condition of P^-1"), 0.95},
-            {"P - K G': an error of K enters P with slope 1.00 +- 0.02",
-             within(of("gain", "cholesky", "double"), {"lambda"}, slope("epsilon", "P"), 0.98, 1.02),
-             verification("docs/theory.md 132"), 0.97},
-            {"P - K F' - F K': with slope 2.00 +- 0.02",
-             within(of("gain", "joseph", "double"), {"lambda"}, slope("epsilon", "P"), 1.98, 2.02),
-             verification("docs/theory.md 132"), 0.9},
-            {"float, kappa = 10: qr_block's error of P does not depend on c^2: slope 0 +- 0.1",
-             within(sloped("qr_block", "float"), setting, slope("c2", "P"), -0.1, 0.1), narrowed, 0.75},
-            {"double, kappa = 10: that of P - K G' by Cholesky and of joseph grows in proportion to c^2: "
-             "slope 1 +- 0.2",
-             within(sloped("cholesky", "double"), setting, slope("c2", "P"), 0.8, 1.2) &&
-                 within(sloped("joseph", "double"), setting, slope("c2", "P"), 0.8, 1.2),
-             narrowed, 0.5},
-            {"float, kappa = 10, c^2 up to 1024: joseph's error of P is 1.5 to 30 times below that of P - K G' by "
-             "Cholesky",
-             over(in_float("rotated", 16, 1024), "form", "cholesky", "joseph", "P", 1.5, 30), set_before, 0.55},
-            {"random features, likewise",
-             over(in_float("features", 16, 1024), "form", "cholesky", "joseph", "P", 1.5, 30), set_before, 0.5},
-            {"float, kappa = 10, c^2 = 1024: the explicit inverse's error of theta is 2 to 10^4 times that of "
-             "Cholesky's",
-             over(in_float("rotated", 1024, 1024), "form", "inverse", "cholesky", "theta", 2, 1e4), set_before, 0.55},
-            {"float, kappa = 10: qr_block's median error of theta is at most 1e-5",
-             within(ten("qr_block", "float"), {"d", "k", "c2"}, median("theta"), 0, 1e-5), set_before, 0.85},
-            {"float, kappa = 10, c^2 = 1024 and 65536: joseph's error of P is at least three times qr_block's",
-             over(in_float("rotated", 1024, 65536), "form", "joseph", "qr_block", "P", 3, INFINITY), set_before, 0.6},
-            {"K in bfloat16, kappa = 10, c^2 = 1024 and 65536: P - K G' ends indefinite, for most seeds",
-             everywhere(ten("cholesky", "K bfloat16").where("c2", at_least(1024)), "definite", "no"), set_before, 0.8},
-            {"joseph, likewise, ends definite, for most seeds",
-             everywhere(ten("joseph", "K bfloat16").where("c2", at_least(1024)), "definite", "yes"), set_before, 0.65},
-            {"joseph, kappa = 10, c^2 up to 1024: K in bfloat16 costs a factor of 8 to 100 of P",
-             over(priors("rotated", 16, 1024).where("form", Cell("joseph")), "word", "K bfloat16", "float", "P", 8,
-                  100),
-             set_before, 0.45},
-            {"float, kappa = 10, c^2 = 1024: joseph's error of P falls with the rows of a block: slope -0.5 +- 0.3",
-             within(sloped("joseph", "float").where("c2", 1024.0), {"d"}, slope("k", "P"), -0.8, -0.2), set_before,
-             0.4},
-            {"float, kappa = 10: P - K G' by Cholesky errs by 0.01 to 1 times u c^2 sqrt(d) / |P|",
-             within(ten("cholesky", "float").where("c2", at_most(1024)), {"d", "k", "c2"},
-                    Statistic([](Table const& t) { return t.number("P") / t.number("scale"); }), 0.01, 1),
-             set_before, 0.4},
-            {"float, 40 memories of lambda = 63/64: P - K G' with one product for both sides ends indefinite, for most "
-             "seeds",
-             everywhere(of("memory", "cholesky", "float"), "definite", "no"), set_before, 0.8},
-            {"there the update with X'P of its own, joseph and qr_block err by at most 1e-4 in P",
-             within(where("part", Cell("memory"))
-                        .where("word", Cell("float"))
-                        .where("form", std::vector<std::string>{"inverse", "joseph", "qr_block"}),
-                    {"form"}, median("P"), 0, 1e-4),
-             set_before, 0.65},
-            {"float, c^2 = 65536: in kappa theta's error by normal equations has slope 2 +- 0.4, qr_block's 1 +- 0.4",
-             within(of("run", "gram", "float").where("rows", Cell("rotated")).where("c2", 65536.0), setting,
-                    slope("kappa", "theta"), 1.6, 2.4) &&
-                 within(of("run", "qr_block", "float").where("rows", Cell("rotated")).where("c2", 65536.0), setting,
-                        slope("kappa", "theta"), 0.6, 1.4),
-             set_before, 0.45},
-            {"double, kappa up to 100: each form's median error of theta is at most 1e-8",
-             within(where("part", Cell("run"))
-                        .where("word", Cell("double"))
-                        .where("rows", Cell("rotated"))
-                        .where("kappa", at_most(100)),
-                    {"form", "d", "k", "kappa", "c2"}, median("theta"), 0, 1e-8),
-             set_before, 0.8},
-        },
-};
+    .claims = {
+        {"the reference in pairs of doubles lies within 1e-20 of the certified theta",
+         within(where("part", "reference"), {}, greatest("theta"), 0, 1e-20),
+         verification("d N 2^-104 times the condition of P^-1"), 0.95},
+        {"P - K G': an error of K enters P with slope 1.00 +- 0.02",
+         within(of("gain", "cholesky", "double"), {"lambda"}, slope("epsilon", "P"), 0.98, 1.02),
+         verification("docs/theory.md 132"), 0.97},
+        {"P - K F' - F K': with slope 2.00 +- 0.02",
+         within(of("gain", "joseph", "double"), {"lambda"}, slope("epsilon", "P"), 1.98, 2.02),
+         verification("docs/theory.md 132"), 0.9},
+        {"float, kappa = 10: qr_block's error of P does not depend on c^2: slope 0 +- 0.1",
+         within(sloped("qr_block", "float"), setting, slope("c2", "P"), -0.1, 0.1), narrowed, 0.75},
+        {"double, kappa = 10: that of P - K G' by Cholesky and of joseph grows in proportion to c^2: "
+         "slope 1 +- 0.2",
+         within(sloped("cholesky", "double"), setting, slope("c2", "P"), 0.8, 1.2) &&
+             within(sloped("joseph", "double"), setting, slope("c2", "P"), 0.8, 1.2),
+         narrowed, 0.5},
+        {"float, kappa = 10, c^2 up to 1024: joseph's error of P is 1.5 to 30 times below that of P - K G' by "
+         "Cholesky",
+         over(in_float("rotated", 16, 1024), "form", "cholesky", "joseph", "P", 1.5, 30), set_before, 0.55},
+        {"random features, likewise", over(in_float("features", 16, 1024), "form", "cholesky", "joseph", "P", 1.5, 30),
+         set_before, 0.5},
+        {"float, kappa = 10, c^2 = 1024: the explicit inverse's error of theta is 2 to 10^4 times that of "
+         "Cholesky's",
+         over(in_float("rotated", 1024, 1024), "form", "inverse", "cholesky", "theta", 2, 1e4), set_before, 0.55},
+        {"float, kappa = 10: qr_block's median error of theta is at most 1e-5",
+         within(ten("qr_block", "float"), {"d", "k", "c2"}, median("theta"), 0, 1e-5), set_before, 0.85},
+        {"float, kappa = 10, c^2 = 1024 and 65536: joseph's error of P is at least three times qr_block's",
+         over(in_float("rotated", 1024, 65536), "form", "joseph", "qr_block", "P", 3, INFINITY), set_before, 0.6},
+        {"K in bfloat16, kappa = 10, c^2 = 1024 and 65536: P - K G' ends indefinite, for most seeds",
+         everywhere(ten("cholesky", "K bfloat16").where("c2", at_least(1024)), "definite", "no"), set_before, 0.8},
+        {"joseph, likewise, ends definite, for most seeds",
+         everywhere(ten("joseph", "K bfloat16").where("c2", at_least(1024)), "definite", "yes"), set_before, 0.65},
+        {"joseph, kappa = 10, c^2 up to 1024: K in bfloat16 costs a factor of 8 to 100 of P",
+         over(priors("rotated", 16, 1024).where("form", "joseph"), "word", "K bfloat16", "float", "P", 8, 100),
+         set_before, 0.45},
+        {"float, kappa = 10, c^2 = 1024: joseph's error of P falls with the rows of a block: slope -0.5 +- 0.3",
+         within(sloped("joseph", "float").where("c2", 1024.0), {"d"}, slope("k", "P"), -0.8, -0.2), set_before, 0.4},
+        {"float, kappa = 10: P - K G' by Cholesky errs by 0.01 to 1 times u c^2 sqrt(d) / |P|",
+         within(ten("cholesky", "float").where("c2", at_most(1024)), {"d", "k", "c2"}, number("P") / number("scale"),
+                0.01, 1),
+         set_before, 0.4},
+        {"float, 40 memories of lambda = 63/64: P - K G' with one product for both sides ends indefinite, for most "
+         "seeds",
+         everywhere(of("memory", "cholesky", "float"), "definite", "no"), set_before, 0.8},
+        {"there the update with X'P of its own, joseph and qr_block err by at most 1e-4 in P",
+         within(where("part", "memory").where("word", "float").where("form", {"inverse", "joseph", "qr_block"}),
+                {"form"}, median("P"), 0, 1e-4),
+         set_before, 0.65},
+        {"float, c^2 = 65536: in kappa theta's error by normal equations has slope 2 +- 0.4, qr_block's 1 +- 0.4",
+         within(of("run", "gram", "float").where("rows", "rotated").where("c2", 65536.0), setting,
+                slope("kappa", "theta"), 1.6, 2.4) &&
+             within(of("run", "qr_block", "float").where("rows", "rotated").where("c2", 65536.0), setting,
+                    slope("kappa", "theta"), 0.6, 1.4),
+         set_before, 0.45},
+        {"double, kappa up to 100: each form's median error of theta is at most 1e-8",
+         within(where("part", "run").where("word", "double").where("rows", "rotated").where("kappa", at_most(100)),
+                {"form", "d", "k", "kappa", "c2"}, median("theta"), 0, 1e-8),
+         set_before, 0.8}}};
 
 }  // namespace rlslab::studies

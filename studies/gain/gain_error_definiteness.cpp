@@ -4,8 +4,6 @@
 
 #include <rlslab/reference/definiteness.hpp>
 
-#include <cmath>
-
 namespace rlslab::studies {
 namespace {
 
@@ -50,25 +48,14 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "kalman"},
     triangles{"carlson", "ud", "inverse_qr", "extended_qr"};
 
-Judgement judged_in_all(Table const& t) {
-    double judged = 0;
-    for (double const n : t.numbers("judged")) judged += n;
-    return {Verdict::holds, "covariances judged: " + as_text(judged)};
-}
+Judgement judged_in_all(Table const& t) { return {Verdict::holds, "covariances judged: " + as_text(sum("judged")(t))}; }
 Judge never_lost(Selection const& t, Estimate seeds) {
     return everywhere(t, "lost", 0.0, seeds) && everywhere(t, "overflowed", 0.0, seeds) && t.judged(judged_in_all);
 }
 Selection in(char const* arithmetic) { return where("arithmetic", arithmetic); }
 
 /// How many of the covariances of all rows were lost.
-Statistic const share(
-    [](Table const& t) {
-        double judged = 0, lost = 0;
-        for (double const n : t.numbers("judged")) judged += n;
-        for (double const n : t.numbers("lost")) lost += n;
-        return lost / judged;
-    },
-    Estimate::share);
+Statistic const share = (sum("lost") / sum("judged")).as(Estimate::share);
 
 }  // namespace
 
@@ -112,7 +99,6 @@ extern Study const gain_error_definiteness{
                .panel = "arithmetic",
                .log = "x",
                .x_label = "relative error of the gain",
-               .y_label = "lost",
                .where = {{"size", {"3"}}, {"rows", {"white"}}, {"lambda", {"1"}}, {"enters", {"wherever used"}}}}},
     .claims = {
         {"carlson, ud, inverse_qr, extended_qr: never, with errors of up to ten times the gain and more, in any of "

@@ -1,5 +1,5 @@
 // Two lengths: which may be short, the gain or what it is computed from? Where Joseph's form is worth it, predicted and
-// measured. Longer than 150 lines: two predicted floors, nine arrangements of two lengths, and 20 claims.
+// measured.
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
@@ -199,8 +199,7 @@ Judge against(Selection const& t, Arranged const& one, Arranged const& other, do
     return within(t, {"data", "p_K"}, ratio, from, to);
 }
 Judge of_one_length(std::string const& variant) {
-    return labelled(variant,
-                    against(where("p_P", 24.0).where("p_K", 24.0), {variant, only_gain}, {variant, until_gain}, 1, 1));
+    return against(where("p_P", 24.0).where("p_K", 24.0), {variant, only_gain}, {variant, until_gain}, 1, 1);
 }
 /// The longest gain with which Joseph's form is still the more accurate one, less the prediction.
 double off_prediction(Table const& seed) {
@@ -235,7 +234,6 @@ Plot error_over_length(std::string title, std::vector<std::pair<std::string, std
             .y = "error",
             .panel = "data",
             .log = "y",
-            .x_label = "p_K",
             .y_label = "relative error of P",
             .where = std::move(where)};
 }
@@ -291,7 +289,7 @@ extern Study const mixed_gain{
               error_over_length("f, s and K in p_K bits, P in 24", {{"short", {"f s K"}}, {"p_P", {"24"}}})},
     .claims = {
         {"a gain as long as the state: whether it alone or also f and s is rounded to its length changes no bit",
-         of_one_length("symmetric") && of_one_length("joseph") && of_one_length("joseph_rank_two"),
+         of_each({"symmetric", "joseph", "joseph_rank_two"}, of_one_length),
          verification("no number changes by rounding to its own length")},
         {"T1: Joseph's form is more accurate than symmetric up to p_K = p_P - log2(sqrt(Z_J^2 - Z_s^2) / (0.42 "
          "A)), to 1 bit",

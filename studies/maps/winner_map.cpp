@@ -1,5 +1,5 @@
 // The map of winners: which form keeps most digits, over condition, prior, memory, word, size, basis and theta.
-#include "studies/maps/winner_reading.hpp"
+#include "studies/maps/winner_map.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -50,23 +50,18 @@ std::function<std::optional<bool>(MapRun const&)> obeys(std::string form, size_t
         return std::abs(measured[measure] - law[measure]) <= 0.5;
     };
 }
-Judge each_form(std::vector<std::string> const& forms, std::function<Judge(std::string const&)> const& judge) {
-    std::vector<Judge> parts;
-    for (std::string const& form : forms) parts.push_back(labelled(form, judge(form)));
-    return together(parts);
-}
 Judge laws_hold(std::vector<std::string> const& forms, size_t measure, double least_share) {
-    return each_form(forms, [=](std::string const& form) {
+    return of_each(forms, [=](std::string const& form) {
         return within(base, {}, of_runs(obeys(form, measure, Laws::registered)), least_share, 1);
     });
 }
 Judge laws_hold_at_each(std::string const& factor) {
-    return each_form({"symmetric", "ud", "ud_delta"}, [=](std::string const& form) {
+    return of_each({"symmetric", "ud", "ud_delta"}, [=](std::string const& form) {
         return within(all_rows, {factor}, of_runs(obeys(form, 2, Laws::registered)), 0.65, 1);
     });
 }
 Judge corrected_laws_hold(std::vector<std::string> const& forms, double least_share) {
-    return each_form(forms, [=](std::string const& form) {
+    return of_each(forms, [=](std::string const& form) {
         return within(base, {}, of_cells(obeys(form, 2, Laws::corrected)), least_share, 1);
     });
 }
@@ -221,8 +216,8 @@ p &= c^2\tfrac{d}{m}\lambda^{2N}\sum\sigma_i^2 \\
          predicted("107 to 110")},
         {"the loss of symmetric, joseph, ud and carlson to the best is foretold to half a digit in at least 65 % "
          "of runs where it is finite",
-         each_form({"symmetric", "joseph", "ud", "carlson"},
-                   [](std::string const& form) { return within(base, {}, loss_foretold(form, 0.5), 0.65, 1); }),
+         of_each({"symmetric", "joseph", "ud", "carlson"},
+                 [](std::string const& form) { return within(base, {}, loss_foretold(form, 0.5), 0.65, 1); }),
          predicted("107 to 110")},
         {"float, memory 10000, white rows, P0 = 1: symmetric keeps 0.3 to 1.3 digits of P more than ud, 1.2 to "
          "2.6 more than carlson and inverse_qr",

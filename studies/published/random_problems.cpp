@@ -1,12 +1,11 @@
 // In how many random problems is the form that compare names within half a digit of the best, where evidence that did
 // not choose it judges?
 #include "studies/published/naming.hpp"
-#include "studies/published/survey_data.hpp"
+#include "studies/published/data.hpp"
 
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/scenarios.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace rlslab::studies {

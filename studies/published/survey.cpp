@@ -1,12 +1,10 @@
 // What `rlslab compare` shows of real records: which form keeps how many digits, which breaks down, and whether the one
 // that compare names is within half a digit of the best.
 #include "studies/published/naming.hpp"
-#include "studies/published/survey_data.hpp"
+#include "studies/published/data.hpp"
 
 #include <rlslab/studies/judgements.hpp>
-#include <rlslab/studies/scenarios.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace rlslab::studies {
@@ -95,15 +93,7 @@ Statistic const loss = median("loss").over("record");
 
 /// The share of a record's cells for which it holds, a cell of each value in these columns.
 Statistic share_of_cells(std::vector<std::string> const& by, bool (*holds)(Table const& cell)) {
-    Statistic const out(
-        [=](Table const& of) {
-            double yes = 0;
-            auto const cells = of.groups(by);
-            for (auto const& [name, cell] : cells) yes += holds(cell);
-            return yes / double(cells.size());
-        },
-        Estimate::share);
-    return out.over("record");
+    return share_of_groups(by, holds).over("record");
 }
 bool all_keep_6_digits(Table const& cell) { return least("worst")(cell) >= 6; }
 bool all_break_down(Table const& cell) { return least("broken")(cell) > 0; }
@@ -151,6 +141,16 @@ Judge no_other_loses_less() {
 /// The delta forms joined after the first run; these bands were committed before a run that had them.
 constexpr char const* with_deltas = "set before a run with the delta forms";
 std::vector<std::string> const factored{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+Plot loss_of_each(std::string const& units_in_words, std::string const& units) {
+    return {.title = "Loss of each form, " + units_in_words,
+            .x = "prior",
+            .y = "loss",
+            .panel = "word",
+            .log = "x",
+            .x_label = "prior variance c²",
+            .y_label = "digits lost to the best",
+            .where = {{"units", {units}}, {"prior", {"100", "16384", "1e+08"}}, {"word", long_words}}};
+}
 
 }  // namespace
 
@@ -182,22 +182,7 @@ extern Study const survey{
         },
     .measures = {"word", "variant", "theta", "worst", "P", "loss", "broken", "broken_at", "named", "named_by_half"},
     .measure = measure,
-    .plots = {{.title = "Loss of each form, natural units",
-               .x = "prior",
-               .y = "loss",
-               .panel = "word",
-               .log = "x",
-               .x_label = "prior variance c²",
-               .y_label = "digits lost to the best",
-               .where = {{"units", {"natural"}}, {"prior", {"100", "16384", "1e+08"}}, {"word", long_words}}},
-              {.title = "Loss of each form, scaled",
-               .x = "prior",
-               .y = "loss",
-               .panel = "word",
-               .log = "x",
-               .x_label = "prior variance c²",
-               .y_label = "digits lost to the best",
-               .where = {{"units", {"scaled"}}, {"prior", {"100", "16384", "1e+08"}}, {"word", long_words}}}},
+    .plots = {loss_of_each("natural units", "natural"), loss_of_each("scaled", "scaled")},
     .claims = {
         {"float, natural units: conventional loses definiteness in 30 to 80 % of a record's cells",
          within(in({"float"}).where("variant", "conventional").where("units", "natural"), {}, breaks_down, 0.3, 0.8),

@@ -1,6 +1,6 @@
 // The map of winners: its laws where they are known, and the statistics of its claims on a table that obeys the laws.
-#include "studies/maps/winner_reading.hpp"
-#include "studies/published/survey_data.hpp"
+#include "studies/maps/winner_map.hpp"
+#include "studies/published/data.hpp"
 
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/studies/study.hpp>

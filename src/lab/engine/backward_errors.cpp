@@ -12,21 +12,15 @@ namespace {
 
 using Numbers = Matrix<Reference>;
 
-Reference square(Numbers const& A) {
+/// Of a matrix or a vector.
+Reference square(auto const& A) {
     Reference sum = 0;
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i) sum += A(i, j) * A(i, j);
-    return sum;
-}
-Reference square(Vector<Reference> const& x) {
-    Reference sum = 0;
-    for (Reference const& xi : x) sum += xi * xi;
+    for (Reference const& x : A.reshaped()) sum += x * x;
     return sum;
 }
 bool all_finite(Numbers const& A) {
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i)
-            if (!isfinite(A(i, j))) return false;
+    for (Reference const& x : A.reshaped())
+        if (!isfinite(x)) return false;
     return true;
 }
 

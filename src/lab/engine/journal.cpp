@@ -29,7 +29,7 @@ std::string line_of(size_t trial, std::vector<std::string> const& lines) {
     return fmt::format("{:016x} {}\n", hash(body), body);
 }
 
-bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& into) {
+bool read(std::string const& line, Trials& into) {
     if (line.size() < 18 || line.substr(0, 16) != fmt::format("{:016x}", hash(line.substr(17)))) return false;
     std::string_view rest = std::string_view(line).substr(17);
     size_t trial = 0;
@@ -45,8 +45,6 @@ bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& i
     }
     return true;
 }
-
-using Trials = std::map<size_t, std::vector<std::string>>;
 
 /// The head of the file, and its trials into `finished`; "" for a file that is no journal.
 std::string read_file(std::filesystem::path const& path, Trials& finished) {
@@ -137,8 +135,8 @@ void forget_trials(std::filesystem::path const& folder, std::string const& name)
         if (study_of(path) == name) std::filesystem::remove(path, error);
 }
 
-std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders,
-                                                           std::string const& name, std::string const& key) {
+Trials finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
+                       std::string const& key) {
     Trials out;
     for (auto const& folder : folders)
         for (auto const& path : journals(folder)) {
@@ -153,7 +151,7 @@ std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::file
 }
 
 void write_journal(std::filesystem::path const& folder, std::string const& name, std::string const& key,
-                   std::map<size_t, std::vector<std::string>> const& finished) {
+                   Trials const& finished) {
     replace_file(folder / name, text_of(head_of(key), finished));
 }
 

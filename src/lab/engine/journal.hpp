@@ -26,13 +26,16 @@ struct Part {
 /// "2-of-8", as in the names of files
 std::string name_of(Part part);
 
-/// The lines of CSV of each finished trial of one study, by the trial's number. The file is FOLDER/NAME, of a part
-/// FOLDER/NAME.2-of-8. One with another key is ignored: the program, the study, its budget or the seed has changed.
+/// The lines of CSV of each finished trial of one study, by the trial's number.
+using Trials = std::map<size_t, std::vector<std::string>>;
+
+/// The file is FOLDER/NAME, of a part FOLDER/NAME.2-of-8. One with another key is ignored: the program, the study, its
+/// budget or the seed has changed.
 class Journal {
     std::filesystem::path path_;
     std::ofstream file_;
     int why_ = 0;  // the first write failed; a later one, of another thread, would find another errno
-    std::map<size_t, std::vector<std::string>> finished_;
+    Trials finished_;
 
 public:
     /// Reads the finished trials of the whole and of every part. A part rewrites its own file alone. The whole copies
@@ -40,7 +43,7 @@ public:
     /// InputError if a file cannot be written.
     Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
-    std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
+    Trials const& finished() const { return finished_; }
     /// Appends a line. If the process is killed meanwhile, it is complete or its checksum is wrong. Throws InputError.
     void add(size_t trial, std::vector<std::string> const& lines);
 };
@@ -48,11 +51,11 @@ public:
 /// Removes the journals of a study, of a whole run and of parts.
 void forget_trials(std::filesystem::path const& folder, std::string const& name);
 /// The finished trials in the folders' journals of one study. Throws InputError for a journal with another key.
-std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders,
-                                                           std::string const& name, std::string const& key);
+Trials finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
+                       std::string const& key);
 /// Writes the journal of a whole run. Throws InputError.
 void write_journal(std::filesystem::path const& folder, std::string const& name, std::string const& key,
-                   std::map<size_t, std::vector<std::string>> const& finished);
+                   Trials const& finished);
 
 /// A lock that allows one whole run at a time in a folder, or any number of parts that differ. It is released when this
 /// object is destroyed or the process ends in any way. On a file system without locks it has no effect.

@@ -71,8 +71,8 @@ Statistic fit(std::string x, double (*of_x)(double), std::string y, double (*of_
     return {[=](Table const& table) { return Line(table, x, of_x, y, of_y).slope(); },
             [=](Table const& table) { return Line(table, x, of_x, y, of_y).bounds(); }};
 }
-bool has_nan(std::vector<double> const& v) {
-    return std::ranges::any_of(v, [](double x) { return x != x; });
+bool is_empty_or_has_nan(std::vector<double> const& v) {
+    return v.empty() || std::ranges::any_of(v, [](double x) { return x != x; });
 }
 double as_it_is(double x) { return x; }
 double log_10(double x) { return correctly::log10(x); }
@@ -92,6 +92,16 @@ double median(std::vector<double> values) {
     return values.size() % 2 ? values[middle] : values[middle - 1] / 2 + values[middle] / 2;
 }
 
+Statistic number(std::string column) {
+    return [=](Table const& table) { return table.number(column); };
+}
+Statistic sum(std::string column) {
+    return [=](Table const& table) {
+        double out = 0;
+        for (double const x : table.numbers(column)) out += x;
+        return out;
+    };
+}
 Statistic mean(std::string column) {
     return of_column(
         std::move(column),
@@ -106,13 +116,13 @@ Statistic median(std::string column) { return of_column(std::move(column), &medi
 Statistic least(std::string column) {
     return of_column(
         std::move(column),
-        [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); },
+        [](std::vector<double> v) { return is_empty_or_has_nan(v) ? std::nan("") : std::ranges::min(v); },
         Estimate::most);
 }
 Statistic greatest(std::string column) {
     return of_column(
         std::move(column),
-        [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
+        [](std::vector<double> v) { return is_empty_or_has_nan(v) ? std::nan("") : std::ranges::max(v); },
         Estimate::most);
 }
 Statistic ratio_of_errors(std::string variant, std::string other) {
@@ -135,6 +145,15 @@ Statistic root_mean_square(std::string column) {
         Estimate::quadratic);
 }
 
+Statistic share_of_groups(std::vector<std::string> by, std::function<bool(Table const& group)> holds) {
+    return {[=](Table const& table) {
+                double yes = 0, all = 0;
+                for (auto const& [name, group] : table.groups(by)) yes += holds(group), ++all;
+                return yes / all;
+            },
+            Estimate::share};
+}
+
 Interval Statistic::bounds(Table const& table) const {
     if (bounds_) return bounds_(table);
     double const itself = of_(table);
@@ -149,6 +168,15 @@ Statistic Statistic::over(std::string replicate) const {
     Statistic out = *this;
     out.replicate_ = std::move(replicate);
     return out;
+}
+Statistic Statistic::on(Selection rows) const {
+    return [of = *this, rows](Table const& table) { return of(rows(table)); };
+}
+Statistic operator-(Statistic a, Statistic b) {
+    return [=](Table const& table) { return a(table) - b(table); };
+}
+Statistic operator/(Statistic a, Statistic b) {
+    return [=](Table const& table) { return a(table) / b(table); };
 }
 
 namespace {
@@ -280,6 +308,11 @@ std::string seeds_text(size_t fewest, size_t most) {
                        most == 1 ? "seed" : "seeds");
 }
 
+template <class Holds>
+Selection restricted(Selection const& rows, std::string const& column, Holds const& holds) {
+    return [=](Table const& table) { return rows(table).where(column, holds); };
+}
+
 }  // namespace
 
 Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from,
@@ -373,12 +406,6 @@ Judge labelled(std::string label, Judge of) {
     return [=](Table const& table) { return labelled(label, of(table)); };
 }
 
-namespace {
-template <class Holds>
-Selection restricted(Selection const& rows, std::string const& column, Holds const& holds) {
-    return [=](Table const& table) { return rows(table).where(column, holds); };
-}
-}  // namespace
 Selection Selection::where(std::string column, Cell value) const { return restricted(*this, column, value); }
 Selection Selection::where(std::string column, std::function<bool(double)> holds) const {
     return restricted(*this, column, holds);
@@ -388,6 +415,13 @@ Selection Selection::where(std::string column, std::vector<std::string> words) c
 }
 Judge Selection::judged(Judge by) const {
     return [rows = *this, by](Table const& table) { return by(rows(table)); };
+}
+Judge Selection::each_judged(std::vector<std::string> by, Judge group) const {
+    return judged([=](Table const& table) {
+        std::vector<Judgement> all;
+        for (auto const& [name, rows] : table.groups(by)) all.push_back(labelled(name, group(rows)));
+        return together(all);
+    });
 }
 std::function<bool(double)> at_most(double x) {
     return [=](double y) { return y <= x; };
@@ -411,6 +445,12 @@ Judge within(Selection const& rows, std::vector<std::string> const& by, Statisti
 }
 Judge everywhere(Selection const& rows, std::string const& column, Cell const& value, Estimate seeds) {
     return rows.judged([=](Table const& table) { return everywhere(table, column, value, seeds); });
+}
+
+Judge of_each(std::vector<std::string> const& names, std::function<Judge(std::string const&)> const& judge) {
+    std::vector<Judge> parts;
+    for (std::string const& name : names) parts.push_back(labelled(name, judge(name)));
+    return together(parts);
 }
 
 Factors::Factors(std::initializer_list<Factor> list)

@@ -22,6 +22,8 @@ enum class Estimate {
     fixed       ///< nothing: the statistic of all rows does not depend on a seed
 };
 
+class Selection;
+
 /// A number computed from a table. If the table has a column of replicates (which change only the seed), it is computed
 /// from the rows of each seed and estimated over the seeds.
 class Statistic {
@@ -47,7 +49,12 @@ public:
     Statistic as(Estimate estimate) const;
     /// The same with another column of replicates.
     Statistic over(std::string replicate) const;
+    /// The same of these rows, as the median of seeds.
+    Statistic on(Selection rows) const;
 };
+/// A number less another, or over it; of the seeds the median. `x.on(rows) / x.on(others)`: of two kinds of rows.
+Statistic operator-(Statistic a, Statistic b);
+Statistic operator/(Statistic a, Statistic b);
 
 /// The least-squares slope of log10 y against log10 x over rows where both are positive and finite; NaN for fewer than
 /// two. A row that broke down (y infinite or NaN) counts as censored: the slope lies where any y not below the greatest
@@ -57,12 +64,17 @@ Statistic slope(std::string x, std::string y);
 Statistic rate(std::string x, std::string y);
 /// The least-squares slope of y against x.
 Statistic linear_slope(std::string x, std::string y);
+/// The number of the one row that a seed has.
+Statistic number(std::string column);
+Statistic sum(std::string column);
 Statistic mean(std::string column);
 Statistic median(std::string column);
 /// The least and the greatest number of each seed's rows: for claims about most runs.
 Statistic least(std::string column);
 Statistic greatest(std::string column);
 Statistic root_mean_square(std::string column);
+/// Of the groups of a seed's rows, the share for which it holds.
+Statistic share_of_groups(std::vector<std::string> by, std::function<bool(Table const& group)> holds);
 /// The geometric mean over a seed's rows of (error of one variant) / (error of another on the same data). The table has
 /// the columns "variant" and "error".
 Statistic ratio_of_errors(std::string variant, std::string other);
@@ -100,8 +112,9 @@ public:
     Selection where(std::string column, Cell value) const;
     Selection where(std::string column, std::function<bool(double)> holds) const;
     Selection where(std::string column, std::vector<std::string> words) const;
-    /// Judges these rows.
+    /// Judges these rows; or each group of them by itself, with its name.
     Judge judged(Judge by) const;
+    Judge each_judged(std::vector<std::string> by, Judge group) const;
 };
 inline Selection const all_rows;
 /// The same of all rows.
@@ -123,6 +136,9 @@ std::function<bool(double)> between(double from, double to);
 Judge within(Selection const& rows, std::vector<std::string> const& by, Statistic const& number, double from,
              double to);
 Judge everywhere(Selection const& rows, std::string const& column, Cell const& value, Estimate seeds = Estimate::most);
+
+/// A judge for each of these, with its name, together.
+Judge of_each(std::vector<std::string> const& names, std::function<Judge(std::string const&)> const& judge);
 
 /// holds: the interval lies inside the band; fails: outside of it.
 Verdict verdict_of(Interval const& shown, Interval const& band);

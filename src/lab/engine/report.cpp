@@ -144,43 +144,7 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     return out + "</pre></details></section>\n";
 }
 
-}  // namespace
-
-std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options) {
-    std::string sections, contents;
-    size_t claims = 0, held = 0;
-    for (Count const& c : counted(outcomes)) claims += c.claims(), held += c.holds;
-    for (Outcome const& outcome : outcomes) {
-        sections += section(outcome, figures(*outcome.study, outcome.table));
-        auto const worst = std::ranges::min_element(outcome.judgements, {}, &Judgement::verdict);
-        contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n",
-                                name_of(!outcome.changed.empty()            ? Verdict::undecided
-                                        : worst == outcome.judgements.end() ? Verdict::holds
-                                                                            : worst->verdict),
-                                outcome.study->name, escaped(outcome.study->question));
-    }
-    // A sweep has no claims and one budget.
-    std::string const held_of = options.run ? ""
-                                            : fmt::format("{} of {} claims hold, in {} {}. ", held, claims,
-                                                          outcomes.size(), outcomes.size() == 1 ? "study" : "studies");
-    bool const own = options.program != "rlslab";  // of studies that may measure anything
-    return page(
-        options.program + (options.run ? ": a sweep" : ": studies"),
-        fmt::format(
-            "<header><h1>{}</h1>\n<p>{}{}<span "
-            "class=\"soft\">rlslab {} {}, {}seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
-            own ? escaped(options.program) : "Which variant of recursive least squares can be trusted?", held_of,
-            own ? ""
-                : "Every error is measured against the exact minimiser for the bits the variant was given, with a "
-                  "proven bound. ",
-            RLSLAB_VERSION, revision, options.run ? "" : fmt::format("{} budget, ", name_of(options.budget)),
-            options.seed, contents,
-            (options.run ? "" : summary(outcomes)) + sections + as_html(run_of(outcomes, options))));
-}
-
 // --- curves from rows: one for each series and panel, through the median of the rows at one place --------------------
-
-namespace {
 
 Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bool log_x, bool log_y) {
     Curve out{.name = std::move(name), .look = std::move(look)};
@@ -292,6 +256,38 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
         out.push_back(std::move(figure));
     }
     return out;
+}
+
+std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    std::string sections, contents;
+    size_t claims = 0, held = 0;
+    for (Count const& c : counted(outcomes)) claims += c.claims(), held += c.holds;
+    for (Outcome const& outcome : outcomes) {
+        sections += section(outcome, figures(*outcome.study, outcome.table));
+        auto const worst = std::ranges::min_element(outcome.judgements, {}, &Judgement::verdict);
+        contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n",
+                                name_of(!outcome.changed.empty()            ? Verdict::undecided
+                                        : worst == outcome.judgements.end() ? Verdict::holds
+                                                                            : worst->verdict),
+                                outcome.study->name, escaped(outcome.study->question));
+    }
+    // A sweep has no claims and one budget.
+    std::string const held_of = options.run ? ""
+                                            : fmt::format("{} of {} claims hold, in {} {}. ", held, claims,
+                                                          outcomes.size(), outcomes.size() == 1 ? "study" : "studies");
+    bool const own = options.program != "rlslab";  // of studies that may measure anything
+    return page(
+        options.program + (options.run ? ": a sweep" : ": studies"),
+        fmt::format(
+            "<header><h1>{}</h1>\n<p>{}{}<span "
+            "class=\"soft\">rlslab {} {}, {}seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
+            own ? escaped(options.program) : "Which variant of recursive least squares can be trusted?", held_of,
+            own ? ""
+                : "Every error is measured against the exact minimiser for the bits the variant was given, with a "
+                  "proven bound. ",
+            RLSLAB_VERSION, revision, options.run ? "" : fmt::format("{} budget, ", name_of(options.budget)),
+            options.seed, contents,
+            (options.run ? "" : summary(outcomes)) + sections + as_html(run_of(outcomes, options))));
 }
 
 }  // namespace rlslab::studies

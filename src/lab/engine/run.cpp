@@ -277,7 +277,7 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
                  std::vector<std::filesystem::path> const& folders) {
     struct Merged {
         std::string name, key;
-        std::map<size_t, std::vector<std::string>> finished;
+        Trials finished;
     };
     std::optional<FolderLock> lock;  // before anything is read; what is not there yet nobody else is writing
     if (std::filesystem::is_directory(options.out)) lock.emplace(options.out);

@@ -104,10 +104,7 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise)
 }
 
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
-    std::vector<double> sigma;
-    for (Index j = 0; j < size; ++j)
-        sigma.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
-    return with_singular_values(sigma, rows, seed, noise);
+    return with_singular_values(singular_values("geometric", size, kappa), rows, seed, noise);
 }
 
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
@@ -168,8 +165,7 @@ double largest_eigenvalue(Matrix<double> const& A, int steps) {
 
 double frobenius(Matrix<Reference> const& A) {
     Reference sum = 0;
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i) sum += A(i, j) * A(i, j);
+    for (Reference const& x : A.reshaped()) sum += x * x;
     return static_cast<double>(sqrt(sum));
 }
 
@@ -200,7 +196,7 @@ std::vector<double> singular_values(std::string_view shape, Index size, double k
     for (Index j = 0; j < size; ++j) {
         if (shape == "one small") out.push_back(j + 1 < size ? 1 : 1 / kappa);
         else if (shape == "one large") out.push_back(j == 0 ? 1 : 1 / kappa);
-        else out.push_back(correctly::pow(kappa, -double(j) / double(size - 1)));
+        else out.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
     }
     return out;
 }

@@ -1,9 +1,10 @@
 // Read as any other record: by the reader of CSV files.
-#include "studies/published/survey_data.hpp"
-#include "studies/published/nist_data.hpp"
+#include "studies/published/data.hpp"
 
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/model/regression.hpp>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,17 +12,63 @@
 #include <cstring>
 #include <fmt/format.h>
 
-namespace rlslab::studies::survey_data {
+namespace rlslab::studies {
 namespace {
 
-constexpr std::string_view of_nist = "NIST.";
-
+/// The last column is y.
 Records read(CsvFile csv) {
     std::vector<std::string> columns = csv.names();
     Columns const data = csv.read(columns);
     columns.pop_back();
     return linear_records(data, columns, "y");
 }
+Records read(std::string_view text, std::string const& name) {
+    ByteSource const bytes = [rest = text](std::span<char> to) mutable {
+        std::size_t const n = std::min(rest.size(), to.size());
+        std::memcpy(to.data(), rest.data(), n);
+        rest.remove_prefix(n);
+        return n;
+    };
+    return read(CsvFile(bytes, name));
+}
+
+}  // namespace
+}  // namespace rlslab::studies
+
+namespace rlslab::studies::strd {
+namespace {
+
+std::map<std::string, std::vector<Reference>> decimals() {
+    std::map<std::string, std::vector<Reference>> out;
+    nlohmann::json const solutions = nlohmann::json::parse(file("solutions.json"));
+    for (auto const& [set, solution] : solutions.items()) {
+        auto const& theta = solution.contains("theta_decimal") ? solution.at("theta_decimal") : solution.at("theta");
+        for (auto const& digits : theta) out[set].emplace_back(digits.get<std::string>());
+    }
+    return out;
+}
+
+}  // namespace
+
+Records records_of(std::string const& set) { return read(file(set + ".csv"), set + ".csv"); }
+
+Reference decimal(std::string const& set, Index i) {
+    static auto const all = decimals();
+    return all.at(set).at(size_t(i));
+}
+
+std::map<std::string, std::map<std::string, double>> const& listed_digits() {
+    static auto const digits =
+        nlohmann::json::parse(file("digits.json")).get<std::map<std::string, std::map<std::string, double>>>();
+    return digits;
+}
+
+}  // namespace rlslab::studies::strd
+
+namespace rlslab::studies::survey_data {
+namespace {
+
+constexpr std::string_view of_nist = "NIST.";
 
 /// sum (x - mean)^2 / (N - 1) of these numbers, and the mean.
 struct Moments {
@@ -52,15 +99,7 @@ bool in_program(std::string const& record) { return record.starts_with(of_nist) 
 Records records_of(std::string const& record) {
     if (record.starts_with(of_nist)) return strd::records_of(record.substr(of_nist.size()));
     std::string const name = record + ".csv";
-    if (std::string_view rest = file(name); !rest.empty())
-        return read(CsvFile(
-            [rest](std::span<char> to) mutable {
-                std::size_t const n = std::min(rest.size(), to.size());
-                std::memcpy(to.data(), rest.data(), n);
-                rest.remove_prefix(n);
-                return n;
-            },
-            name));
+    if (std::string_view const text = file(name); !text.empty()) return read(text, name);
     char const* const folder = std::getenv("RLSLAB_RECORDS");
     if (!folder)
         throw InputError(
