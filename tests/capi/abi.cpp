@@ -3,7 +3,6 @@
 #include "bindings/c/rlslab.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdio>
 #include <fstream>

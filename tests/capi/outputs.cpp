@@ -6,7 +6,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

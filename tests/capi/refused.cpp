@@ -2,7 +2,6 @@
 #include "tests/capi/filters.hpp"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>

@@ -12,9 +12,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cstring>
 
 namespace rlslab {
 namespace {

@@ -5,9 +5,7 @@
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/catalogue/composed.hpp>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 namespace rlslab {
 namespace {

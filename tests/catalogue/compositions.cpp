@@ -12,7 +12,6 @@
 
 #include <cxxabi.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 
 namespace rlslab {

@@ -11,7 +11,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace rlslab {
 namespace {

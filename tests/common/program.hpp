@@ -3,11 +3,6 @@
 
 #include "tests/common/files.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
 #include <sys/wait.h>
 
 namespace fs = std::filesystem;

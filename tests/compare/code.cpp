@@ -13,8 +13,6 @@
 
 #include <cxxabi.h>
 #include <fstream>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <map>
 
 namespace rlslab {

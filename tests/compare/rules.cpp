@@ -5,9 +5,6 @@
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/words.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <deque>
 #include <set>
 

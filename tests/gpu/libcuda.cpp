@@ -3,7 +3,6 @@
 // processor.
 #include <rlslab/gpu/kernels.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>

@@ -2,7 +2,6 @@
 #include <rlslab/catalogue/catalogue.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>

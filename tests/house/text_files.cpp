@@ -1,7 +1,6 @@
 // Every text of the tree can be read in one window and fetches nothing: its lines are within the width, no address of a
 // registry. No source takes a number of libm.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>

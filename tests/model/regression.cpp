@@ -4,11 +4,9 @@
 
 #include <rlslab/model/regression.hpp>
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>

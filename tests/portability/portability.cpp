@@ -4,9 +4,6 @@
 
 #include <rlslab/core/rounding.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cfenv>
 #include <cstdio>

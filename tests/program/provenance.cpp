@@ -4,8 +4,6 @@
 
 #include <rlslab/catalogue/catalogue.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <fstream>

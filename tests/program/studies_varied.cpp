@@ -1,8 +1,6 @@
 // rlslab study with other factors, described, and found by paper and subject.
 #include "tests/common/program.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <set>

@@ -1,8 +1,6 @@
 // rlslab sweep: the variants on a record, over values of factors; its digits are compare's.
 #include "tests/common/program.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

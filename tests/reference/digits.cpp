@@ -2,7 +2,6 @@
 #include <rlslab/reference/certified.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>

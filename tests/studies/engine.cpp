@@ -8,9 +8,7 @@
 #include "tests/common/files.hpp"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <atomic>
 #include <csignal>
 #include <fcntl.h>
 #include <fstream>

@@ -2,8 +2,6 @@
 // digits of P that compare predicts of them.
 #include "studies/published/naming.hpp"
 
-#include <rlslab/studies/spectra.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>

@@ -6,7 +6,6 @@
 #include <rlslab/studies/study.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

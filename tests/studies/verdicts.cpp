@@ -6,7 +6,6 @@
 #include <rlslab/core/input_error.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
