@@ -11,8 +11,6 @@
 
 #include <csignal>
 #include <fcntl.h>
-#include <fstream>
-#include <sstream>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -21,13 +19,6 @@ namespace rlslab {
 using namespace report;
 using namespace studies;
 namespace {
-
-std::string text_of(std::filesystem::path const& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
 
 /// Draws a few numbers; longer trials finish after shorter ones that started later. Fails at trial `fails`, 0: never.
 Study toy(int fails = 0) {
@@ -62,7 +53,7 @@ TEST(StudyEngine, NoByteDependsOnTheNumberOfThreads) {
     for (int threads : {1, 2, 7}) {
         auto const out = folder.path / std::to_string(threads);
         EXPECT_TRUE(run(study, {.threads = threads, .out = out}).holds());
-        std::string const text = text_of(out / "toy.csv");
+        std::string const text = files::read(out / "toy.csv");
         if (first.empty()) first = text;
         EXPECT_EQ(text, first) << threads;
     }
@@ -83,7 +74,7 @@ TEST(StudyEngine, AnInterruptedRunGoesOnAndEndsWithTheSameBytes) {
     Outcome const outcome = run(whole, options);
     EXPECT_GT(outcome.resumed, 0u);
     EXPECT_LT(outcome.resumed, outcome.trials);
-    EXPECT_EQ(text_of(folder.path / "resumed" / "toy.csv"), text_of(folder.path / "whole" / "toy.csv"));
+    EXPECT_EQ(files::read(folder.path / "resumed" / "toy.csv"), files::read(folder.path / "whole" / "toy.csv"));
     EXPECT_EQ(run(whole, options).resumed, outcome.trials);
 }
 
@@ -125,7 +116,7 @@ TEST(StudyEngine, KilledAtAnyMomentAndStartedAgainItEndsWithTheSameBytes) {
     }
     EXPECT_GT(kills, 2);
     EXPECT_EQ(finished(start(killed)), 0);
-    EXPECT_EQ(text_of(killed + "/gain_error.csv"), text_of(whole + "/gain_error.csv"));
+    EXPECT_EQ(files::read(killed + "/gain_error.csv"), files::read(whole + "/gain_error.csv"));
 }
 
 /// What a study of one's own may do: its error is one that begins with the study's name.
@@ -134,12 +125,7 @@ TEST(StudyEngine, AnOwnStudyThatIsWrongIsNamed) {
         files::Folder const folder;
         Study study = toy();
         spoilt(study);
-        try {
-            run(study, {.out = folder.path});
-        } catch (std::exception const& error) {
-            return std::string(error.what());
-        }
-        return std::string("no error");
+        return files::message_of<std::exception>([&] { run(study, {.out = folder.path}); });
     };
     using Measure = std::function<void(Trial const&, TrialOutput&)>;
     auto const measuring = [](Measure const& measure) { return [measure](Study& s) { s.measure = measure; }; };
@@ -168,11 +154,11 @@ TEST(StudyEngine, EveryCellOfATableComesBackFromTheJournal) {
         if (trial.text("word") != "c") out({"|", "x|"}), out({"", ""});  // and a trial without rows
     };
     run(study, {.out = folder.path});
-    std::string const first = text_of(folder.path / "toy.csv");
+    std::string const first = files::read(folder.path / "toy.csv");
     EXPECT_NE(first.find("a|b,|,x|\na|b,,\n|,|,x|\n|,,\n"), std::string::npos) << first;
     Outcome const again = run(study, {.out = folder.path});
     EXPECT_EQ(again.resumed, 3u);
-    EXPECT_EQ(text_of(folder.path / "toy.csv"), first);
+    EXPECT_EQ(files::read(folder.path / "toy.csv"), first);
     std::ofstream(folder.path / ".trials/toy", std::ios::app) << fmt::format("{:016x} x\n", hash("x"));  // no number
     EXPECT_EQ(run(study, {.out = folder.path}).resumed, 3u);
 }
