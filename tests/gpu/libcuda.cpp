@@ -3,6 +3,7 @@
 // processor.
 #include <rlslab/gpu/kernels.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
