@@ -291,8 +291,6 @@ TEST(Fixed, AWordIsSavedAndLoadedWithItsMark) {
 
 // --- the dense variants ----------------------------------------------------------------------------------------------
 
-using V = VariableFixed;
-
 /// Rows in [-1, 1): y = psi'theta, theta = 1/4.
 template <class Update>
 void run_rows(Index d, int rows, Seed seed, Update update) {

@@ -336,21 +336,10 @@ TEST(Chopped, SameBitsInEveryBuild) {
     EXPECT_EQ((seeded_run<Chopped<Format{25, -400, 400}, Rounding::stochastic>>(Seed{1}, steps)), 3738872335928380218u);
 }
 
-TEST(Seed, IsSplitMix64AndItsBellIsNormalised) {
+TEST(Seed, IsSplitMix64) {
     Seed seed{1234567};  // the published sequence
     for (auto expected : {6457827717110365317u, 3203168211198807973u, 9817491932198370423u, 4593380528125082431u})
         EXPECT_EQ(seed.next(), expected);
-    constexpr int n = 100000;
-    double sum = 0, squares = 0;
-    for (int k = 0; k < n; ++k) {
-        double const x = seed.bell();
-        sum += x;
-        squares += x * x;
-        ASSERT_TRUE(-6 <= x && x < 6);
-    }
-    // Var x = 1 and var x^2 = 1.9, so that false alarms have probability 1e-10 over seeds.
-    EXPECT_LT(std::abs(sum), 6.5 * std::sqrt(n));
-    EXPECT_LT(std::abs(squares - n), 6.5 * std::sqrt(1.9 * n));
 }
 
 }  // namespace

@@ -1,30 +1,19 @@
 // What a program that was compiled with rlslab.h relies on: symbols, layouts, numbers, and the libraries that come with
 // librlslab.so. tests/capi/abi.txt has them as they were recorded.
 #include "bindings/c/rlslab.h"
+#include "tests/common/files.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cstdio>
-#include <fstream>
 #include <set>
-#include <string>
 #include <utility>
 #include <vector>
 
 namespace rlslab {
 namespace {
 
-std::vector<std::string> lines_of(std::string const& command) {
-    std::vector<std::string> out;
-    FILE* const pipe = popen(command.c_str(), "r");
-    std::string line;
-    for (int c = std::getc(pipe); c != EOF; c = std::getc(pipe)) {
-        if (c != '\n') line += char(c);
-        else out.push_back(std::exchange(line, {}));
-    }
-    EXPECT_EQ(pclose(pipe), 0) << command;
-    return out;
+std::vector<std::string> lines_by(std::string const& command) {
+    files::Ran const ran = files::shell(command);
+    EXPECT_EQ(ran.code, 0) << command;
+    return files::lines_of(ran.text);
 }
 
 struct Member {
@@ -51,7 +40,7 @@ Member member(char const* name, X Structure::*which) {
 
 std::string symbols() {
     std::set<std::string> all;  // nm's order depends on the locale
-    for (std::string const& line : lines_of(RLSLAB_NM " -D --defined-only --format=posix " RLSLAB_LIBRARY))
+    for (std::string const& line : lines_by(RLSLAB_NM " -D --defined-only --format=posix " RLSLAB_LIBRARY))
         all.insert(line.substr(0, line.find_first_of("@ ")));
     all.erase("RLSLAB_1");  // the version itself
     std::string out;
@@ -114,8 +103,7 @@ std::string numbers() {
 TEST(Abi, IsAsRecorded) {
     static_assert(sizeof(void*) == 8, "tests/capi/abi.txt is of 64-bit processors");
     std::string const now = symbols() + layouts() + numbers();
-    std::ifstream file(RLSLAB_SOURCE_DIR "/tests/capi/abi.txt");
-    EXPECT_EQ(now, (std::string{std::istreambuf_iterator<char>(file), {}}))
+    EXPECT_EQ(now, files::read(RLSLAB_SOURCE_DIR "/tests/capi/abi.txt"))
         << "What was added goes into tests/capi/abi.txt. What is gone or has another meaning needs RLSLAB_ABI + 1.";
     EXPECT_EQ(rlslab_abi(), RLSLAB_ABI);
     EXPECT_STREQ(rlslab_version(), RLSLAB_VERSION);
@@ -123,7 +111,7 @@ TEST(Abi, IsAsRecorded) {
 TEST(Abi, NoLibraryComesWithItButTheRuntimeOfCpp) {
     std::set<std::string> needed;
     std::string soname;
-    for (std::string const& line : lines_of(RLSLAB_READELF " -dW " RLSLAB_LIBRARY)) {
+    for (std::string const& line : lines_by(RLSLAB_READELF " -dW " RLSLAB_LIBRARY)) {
         std::size_t const from = line.find('['), to = line.find(".so", from);
         if (line.find("(NEEDED)") != line.npos) needed.insert(line.substr(from + 1, to - from - 1));
         if (line.find("(SONAME)") != line.npos) soname = line.substr(from + 1, line.find(']') - from - 1);

@@ -4,11 +4,7 @@
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/catalogue/native/filter.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cstring>
-#include <fstream>
 
 namespace rlslab::c {
 namespace {
@@ -240,8 +236,7 @@ TEST(Filters, AMissingSampleInflatesP) {
 
 /// docs/c.md has a row for each rule of forgetting, with its numbers in their order.
 TEST(Filters, ThePageHasTheNumbersOfEachRule) {
-    std::ifstream file(RLSLAB_SOURCE_DIR "/docs/c.md");
-    std::string const page{std::istreambuf_iterator<char>(file), {}};
+    std::string const page = files::read(RLSLAB_SOURCE_DIR "/docs/c.md");
     std::size_t rules = 0;
     for_each(Rules<double>{}, [&]<class Rule>() {
         std::string row;
@@ -282,12 +277,10 @@ TEST(Filters, AComposedFleetIsItsFilters) {
         EXPECT_EQ(theta, theta_of(alone.get())) << m;
         EXPECT_EQ(rlslab_fleet_health(made, m), 0);
     }
-    std::vector<char> state(rlslab_fleet_state_size(made)), other(state.size());
-    ASSERT_EQ(rlslab_fleet_save(made, state.data(), state.size()), RLSLAB_OK);
+    std::vector<std::byte> const state = state_of(made);
     ASSERT_EQ(rlslab_fleet_reset(made, 1), RLSLAB_OK);
     ASSERT_EQ(rlslab_fleet_load(made, state.data(), state.size()), RLSLAB_OK);
-    ASSERT_EQ(rlslab_fleet_save(made, other.data(), other.size()), RLSLAB_OK);
-    EXPECT_EQ(state, other);
+    EXPECT_EQ(state_of(made), state);
     options.window = 0;
     options.guard = nullptr;
     EXPECT_EQ(rlslab_fleet_new("carlson", "float", count, &options, &made), RLSLAB_OK);
@@ -321,17 +314,14 @@ TEST(Filters, AFleetIsItsFilters) {
             EXPECT_EQ(theta, theta_of(alone[m].get())) << m;
             EXPECT_EQ(rlslab_fleet_health(made, m), 0);
         }
-        std::vector<char> state(rlslab_fleet_state_size(made)), other(state.size());
-        ASSERT_EQ(rlslab_fleet_save(made, state.data(), state.size()), RLSLAB_OK);
+        std::vector<std::byte> const state = state_of(made);
         rlslab_fleet* copied = nullptr;
         ASSERT_EQ(rlslab_fleet_copy(made, &copied), RLSLAB_OK);
         FleetHandle const copy(copied);
         ASSERT_EQ(rlslab_fleet_reset(copied, 3), RLSLAB_OK);
-        ASSERT_EQ(rlslab_fleet_save(copied, other.data(), other.size()), RLSLAB_OK);
-        EXPECT_NE(other, state);
+        EXPECT_NE(state_of(copied), state);
         ASSERT_EQ(rlslab_fleet_load(copied, state.data(), state.size()), RLSLAB_OK);
-        ASSERT_EQ(rlslab_fleet_save(copied, other.data(), other.size()), RLSLAB_OK);
-        EXPECT_EQ(other, state);
+        EXPECT_EQ(state_of(copied), state);
     }
 }
 

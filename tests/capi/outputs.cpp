@@ -5,12 +5,8 @@
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/variants.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace rlslab::c {
 namespace {
@@ -18,24 +14,14 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::size_t d = 4, m = 3, alone = 9, rows = 600;  // in blocks the last one is shorter
-constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-struct FreeOutputs {
-    void operator()(rlslab_outputs* filter) const { rlslab_outputs_free(filter); }
-};
-using Handle = std::unique_ptr<rlslab_outputs, FreeOutputs>;
+using Handle = std::unique_ptr<rlslab_outputs, Free>;
 Handle made(char const* variant, char const* arithmetic, double prior = 16384, std::size_t outputs = m) {
     rlslab_options options = options_of(d, 0.98);
     options.prior_variance = prior;
     rlslab_outputs* out = nullptr;
     rlslab_outputs_new(variant, arithmetic, outputs, &options, &out);
     return Handle(out);
-}
-std::vector<std::byte> state_of(rlslab_outputs const* filter) {
-    std::vector<std::byte> out(rlslab_outputs_state_size(filter));
-    EXPECT_EQ(rlslab_outputs_save(filter, out.data(), out.size()), RLSLAB_OK);
-    return out;
 }
 
 /// What is to be taken: rows apart from one another, the same in float and double.
@@ -44,6 +30,12 @@ struct Given {
     std::vector<double> X = numbers(rows * X_stride, 3), Y = numbers(rows * Y_stride, 4);
     std::vector<float> X_floats{X.begin(), X.end()}, Y_floats{Y.begin(), Y.end()};
 };
+/// Rows [from, to) at once.
+rlslab_status take(rlslab_outputs* f, Given const& given, std::size_t from = 0, std::size_t to = rows,
+                   int leave_out = 0) {
+    return rlslab_outputs_update_many(f, &given.X[from * Given::X_stride], Given::X_stride,
+                                      &given.Y[from * Given::Y_stride], Given::Y_stride, to - from, leave_out);
+}
 /// What a type of C++ leaves of it.
 struct Left {
     std::string variant, arithmetic;
@@ -109,9 +101,7 @@ TEST(Outputs, AreThoseOfTheTypes) {
         rlslab_outputs* copied = nullptr;
         ASSERT_EQ(rlslab_outputs_copy(f, &copied), RLSLAB_OK);
         Handle const copy(copied);
-        ASSERT_EQ(
-            rlslab_outputs_update_many(f, given.X.data(), Given::X_stride, given.Y.data(), Given::Y_stride, rows, 0),
-            RLSLAB_OK);
+        ASSERT_EQ(take(f, given), RLSLAB_OK);
         EXPECT_EQ(state_of(f), expected.state);
         std::vector<double> theta(d * m), matrix(d * d);
         ASSERT_EQ(rlslab_outputs_theta(f, theta.data()), RLSLAB_OK);
@@ -129,14 +119,12 @@ TEST(Outputs, AreThoseOfTheTypes) {
                                                  Given::Y_stride, rows, 0),
                   RLSLAB_OK);
         EXPECT_EQ(state_of(copied), expected.state);
-        std::vector<double> other = given.Y;
-        other[(rows - 1) * Given::Y_stride + m - 1] += 0.5;
+        Given other = given;
+        other.Y[(rows - 1) * Given::Y_stride + m - 1] += 0.5;
         Handle const saboteur = made(expected.variant.c_str(), expected.arithmetic.c_str());
         ASSERT_EQ(rlslab_outputs_load(saboteur.get(), expected.state.data(), expected.state.size()), RLSLAB_OK);
         EXPECT_EQ(state_of(saboteur.get()), expected.state);
-        rlslab_outputs_update_many(f, given.X.data(), Given::X_stride, given.Y.data(), Given::Y_stride, rows, 0);
-        rlslab_outputs_update_many(saboteur.get(), given.X.data(), Given::X_stride, other.data(), Given::Y_stride, rows,
-                                   0);
+        take(f, given), take(saboteur.get(), other);
         EXPECT_NE(state_of(saboteur.get()), state_of(f));
     }
 }
@@ -145,11 +133,10 @@ TEST(Outputs, AnUnusableRowIsRefusedWithAllOrLeftOut) {
     Given given;
     for (char const* const variant : {"qr_block", "joseph_rank_two", "ud", "information"}) {
         SCOPED_TRACE(variant);
-        std::vector<double> X, Y = given.Y;
+        std::vector<double> X, Y;
         Given holed = given;
         for (std::size_t const k : {3, 257, 599}) holed.X[k * Given::X_stride + 1] = nan;
         holed.Y[300 * Given::Y_stride + 2] = HUGE_VAL;
-        Y.clear();
         for (std::size_t k = 0; k < rows; ++k) {
             if (k == 3 || k == 257 || k == 599 || k == 300) continue;
             X.insert(X.end(), &given.X[k * Given::X_stride], &given.X[k * Given::X_stride] + d);
@@ -157,14 +144,10 @@ TEST(Outputs, AnUnusableRowIsRefusedWithAllOrLeftOut) {
         }
         Handle const filter = made(variant, "double"), cleaned = made(variant, "double");
         std::vector<std::byte> const before = state_of(filter.get());
-        EXPECT_EQ(rlslab_outputs_update_many(filter.get(), holed.X.data(), Given::X_stride, holed.Y.data(),
-                                             Given::Y_stride, rows, 0),
-                  RLSLAB_INVALID);
+        EXPECT_EQ(take(filter.get(), holed), RLSLAB_INVALID);
         EXPECT_THAT(rlslab_message(), HasSubstr("row 3,"));
         EXPECT_EQ(state_of(filter.get()), before);
-        EXPECT_EQ(rlslab_outputs_update_many(filter.get(), holed.X.data(), Given::X_stride, holed.Y.data(),
-                                             Given::Y_stride, rows, 1),
-                  RLSLAB_OK);
+        EXPECT_EQ(take(filter.get(), holed, 0, rows, 1), RLSLAB_OK);
         EXPECT_EQ(rlslab_outputs_left_out(filter.get()), 4);
         ASSERT_EQ(rlslab_outputs_update_many(cleaned.get(), X.data(), 0, Y.data(), 0, rows - 4, 0), RLSLAB_OK);
         EXPECT_EQ(state_of(filter.get()), state_of(cleaned.get()));
@@ -173,13 +156,9 @@ TEST(Outputs, AnUnusableRowIsRefusedWithAllOrLeftOut) {
 
 TEST(Outputs, PartsMergeAndOutputsAreAdded) {
     Given const given;
-    auto const take = [&](rlslab_outputs* f, std::size_t from, std::size_t to) {
-        return rlslab_outputs_update_many(f, &given.X[from * Given::X_stride], Given::X_stride,
-                                          &given.Y[from * Given::Y_stride], Given::Y_stride, to - from, 0);
-    };
     Handle const whole = made("qr_block", "double", 0), older = made("qr_block", "double", 0),
                  newer = made("qr_block", "double", 0);
-    take(whole.get(), 0, rows), take(older.get(), 0, 300), take(newer.get(), 300, rows);
+    take(whole.get(), given), take(older.get(), given, 0, 300), take(newer.get(), given, 300);
     ASSERT_EQ(rlslab_outputs_merge(older.get(), newer.get()), RLSLAB_OK) << rlslab_message();
     std::vector<double> expected(d * m), theta(d * m), F(d * d), P(d * d);
     rlslab_outputs_theta(whole.get(), expected.data()), rlslab_outputs_theta(older.get(), theta.data());
@@ -198,13 +177,12 @@ TEST(Outputs, PartsMergeAndOutputsAreAdded) {
 
     // An output of zeros until now is one that is added now.
     for (char const* const variant : {"qr_block", "joseph_rank_two", "ud", "information"}) {
-        std::vector<double> zeros = given.Y;
-        for (std::size_t k = 0; k < 300; ++k) zeros[k * Given::Y_stride + m - 1] = 0;
+        Given zeros = given;
+        for (std::size_t k = 0; k < 300; ++k) zeros.Y[k * Given::Y_stride + m - 1] = 0;
         Handle const all = made(variant, "double"), grown = made(variant, "double", 16384, m - 1);
-        rlslab_outputs_update_many(all.get(), given.X.data(), Given::X_stride, zeros.data(), Given::Y_stride, 300, 0);
-        rlslab_outputs_update_many(grown.get(), given.X.data(), Given::X_stride, zeros.data(), Given::Y_stride, 300, 0);
+        take(all.get(), zeros, 0, 300), take(grown.get(), zeros, 0, 300);
         ASSERT_EQ(rlslab_outputs_add(grown.get(), 1), RLSLAB_OK) << rlslab_message();
-        take(all.get(), 300, rows), take(grown.get(), 300, rows);
+        take(all.get(), given, 300), take(grown.get(), given, 300);
         EXPECT_EQ(state_of(grown.get()), state_of(all.get())) << variant;
     }
 }
@@ -246,27 +224,17 @@ TEST(Outputs, WhatIsRefusedHasOneLineAndChangesNothing) {
     EXPECT_EQ(rlslab_from_state(before.data(), before.size(), &single), RLSLAB_STATE);
     EXPECT_THAT(rlslab_message(), HasSubstr("several outputs"));
     EXPECT_EQ(rlslab_outputs_update_many(f, nullptr, 0, nullptr, 0, 0, 0), RLSLAB_OK);
-    for (rlslab_status const status : {rlslab_outputs_new("ud", "double", m, nullptr, &none),
-                                       rlslab_outputs_new("ud", "double", m, &options, nullptr),
-                                       rlslab_outputs_copy(nullptr, &none),
-                                       rlslab_outputs_copy(f, nullptr),
-                                       rlslab_outputs_reset(nullptr),
-                                       rlslab_outputs_update(f, nullptr, Y, nullptr),
-                                       rlslab_outputs_update(f, X, nullptr, nullptr),
-                                       rlslab_outputs_update_f32(nullptr, nullptr, nullptr, nullptr),
-                                       rlslab_outputs_update_many(nullptr, X, 0, Y, 0, 1, 0),
-                                       rlslab_outputs_update_many(f, X, 0, nullptr, 0, 1, 0),
-                                       rlslab_outputs_update_many_f32(f, nullptr, 0, nullptr, 0, 1, 0),
-                                       rlslab_outputs_add(nullptr, 1),
-                                       rlslab_outputs_merge(f, nullptr),
-                                       rlslab_outputs_merge(nullptr, f),
-                                       rlslab_outputs_theta(f, nullptr),
-                                       rlslab_outputs_covariance(nullptr, numbers),
-                                       rlslab_outputs_information(f, nullptr),
-                                       rlslab_outputs_factor(nullptr, numbers),
-                                       rlslab_outputs_save(f, nullptr, 1),
-                                       rlslab_outputs_load(f, nullptr, 1)})
-        EXPECT_EQ(status, RLSLAB_NULL);
+    expect_null(
+        rlslab_outputs_new("ud", "double", m, nullptr, &none), rlslab_outputs_new("ud", "double", m, &options, nullptr),
+        rlslab_outputs_copy(nullptr, &none), rlslab_outputs_copy(f, nullptr), rlslab_outputs_reset(nullptr),
+        rlslab_outputs_update(f, nullptr, Y, nullptr), rlslab_outputs_update(f, X, nullptr, nullptr),
+        rlslab_outputs_update_f32(nullptr, nullptr, nullptr, nullptr),
+        rlslab_outputs_update_many(nullptr, X, 0, Y, 0, 1, 0), rlslab_outputs_update_many(f, X, 0, nullptr, 0, 1, 0),
+        rlslab_outputs_update_many_f32(f, nullptr, 0, nullptr, 0, 1, 0), rlslab_outputs_add(nullptr, 1),
+        rlslab_outputs_merge(f, nullptr), rlslab_outputs_merge(nullptr, f), rlslab_outputs_theta(f, nullptr),
+        rlslab_outputs_covariance(nullptr, numbers), rlslab_outputs_information(f, nullptr),
+        rlslab_outputs_factor(nullptr, numbers), rlslab_outputs_save(f, nullptr, 1),
+        rlslab_outputs_load(f, nullptr, 1));
     EXPECT_EQ(rlslab_outputs_size(nullptr) + rlslab_outputs_count(nullptr) + rlslab_outputs_state_size(nullptr), 0u);
     EXPECT_EQ(rlslab_outputs_health(nullptr), -1);
     EXPECT_EQ(rlslab_outputs_left_out(nullptr), -1);
@@ -308,8 +276,7 @@ TEST(Outputs, ThreadsDoNotChangeTheBits) {
     for (std::size_t const threads : {1, 3}) {
         ASSERT_EQ(rlslab_use_threads(threads), RLSLAB_OK);
         Handle const filter = made("qr_block", "double");
-        rlslab_outputs_update_many(filter.get(), given.X.data(), Given::X_stride, given.Y.data(), Given::Y_stride, rows,
-                                   0);
+        take(filter.get(), given);
         states.push_back(state_of(filter.get()));
     }
     EXPECT_EQ(states[0], states[1]);

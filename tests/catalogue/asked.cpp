@@ -12,9 +12,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cstring>
 
 namespace rlslab {
 namespace {
@@ -80,7 +77,7 @@ void expect_weights_alike(F const& inside, native::Options options) {
                                     std::int32_t(step.health), steps[size_t(k)].signal};
         ASSERT_TRUE(same(steps[size_t(k)], expected)) << k;
         if constexpr (std::same_as<T, double>) {
-            ASSERT_EQ(saved(*filter), TypedAs(typed.filter()).saved()) << k;
+            ASSERT_EQ(saved(*filter), state_of(typed.filter())) << k;
         }
         ASSERT_TRUE(rlslab::same(gain_of(*filter), widened<T>(typed.gain()))) << k;
         if (!(r.weights[size_t(k)] >= 0) || std::isinf(r.weights[size_t(k)])) {
@@ -88,7 +85,7 @@ void expect_weights_alike(F const& inside, native::Options options) {
             ASSERT_EQ(filter->signal(), 0);
         }
     }
-    EXPECT_EQ(saved(*filter), TypedAs(typed.filter()).saved());
+    EXPECT_EQ(saved(*filter), state_of(typed.filter()));
     auto const many = start->clone(), blocks = start->clone(), floats = start->clone();
     std::vector<native::Step> others(rows);
     many->update_many(psi.data(), rows, stride, y.data(), w.data(), others.data());
@@ -147,14 +144,6 @@ void expect_weights_of_all() {
 TEST(Asked, WeightsHaveTheBitsOfWeightedInFloat) { expect_weights_of_all<float>(); }
 TEST(Asked, WeightsHaveTheBitsOfWeightedInDouble) { expect_weights_of_all<double>(); }
 
-std::string refusal(auto const& call) {
-    try {
-        call();
-    } catch (std::invalid_argument const& error) {
-        return error.what();
-    }
-    return "";
-}
 template <class F>
 void expect_answers_alike() {
     using T = typename F::scalar;
@@ -222,7 +211,7 @@ void expect_answers_alike() {
         EXPECT_EQ(removal.remaining, double(expected.remaining));
         EXPECT_EQ(removal.noise, double(expected.noise));
         EXPECT_FALSE(removal.refused());
-        EXPECT_EQ(saved(*filter), TypedAs(typed).saved());
+        EXPECT_EQ(saved(*filter), state_of(typed));
         EXPECT_NE(saved(*filter), before);
         if (ReportsCovariance<F>) {
             EXPECT_EQ(gain_of(*filter), gain) << "stays";
@@ -243,12 +232,12 @@ void expect_answers_alike() {
             newer->update(&r.psi[size_t(k * stride)], r.y[size_t(k)]);
         }
         filter->merge(*newer), typed.merge(part);
-        EXPECT_EQ(saved(*filter), TypedAs(typed).saved());
+        EXPECT_EQ(saved(*filter), state_of(typed));
         EXPECT_EQ(filter->counts().rows, 80);
         EXPECT_EQ(gain_of(*filter), widened<T>(typed.gain()));
         auto const now = saved(*filter);
         newer->merge(*newer), part.merge(F(part));  // itself
-        EXPECT_EQ(saved(*newer), TypedAs(part).saved());
+        EXPECT_EQ(saved(*newer), state_of(part));
         EXPECT_THAT(refusal([&] { filter->merge(*make(1, 0.98, d)); }), HasSubstr("without a prior"));
         EXPECT_THAT(refusal([&] { filter->merge(*filter); }), HasSubstr("without a prior"));
         EXPECT_THAT(refusal([&] { filter->merge(*make(0, 0.5, d)); }),

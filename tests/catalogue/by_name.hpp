@@ -3,6 +3,7 @@
 #pragma once
 
 #include <rlslab/catalogue/native/filter.hpp>
+#include "tests/common/files.hpp"
 #include "tests/common/twins.hpp"
 
 #include <rlslab/core/process.hpp>
@@ -82,6 +83,8 @@ public:
 Records const& records();
 Problem<double> problem_of(native::Options const& options);
 Bytes saved(native::Filter const& f);
+/// What the native layer says of a call that it refuses, or "no error".
+std::string refusal(auto const& call) { return files::message_of<std::invalid_argument>(call); }
 /// The filter that the options name is the typed one: in each row, many rows, rows of either arithmetic and rows apart
 /// in memory; in what it says, its state, copies, reset and time that passes; in the lab's interface, too. What has a
 /// window, a guard or a rule differs from the variant alone.
@@ -90,6 +93,12 @@ void expect_alike(Typed const& typed, native::Options options);
 template <class T>
 Problem<T> problem(double forgetting) {
     return {.size = d, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(64)}};
+}
+template <class T>
+std::unique_ptr<native::Filter> made(std::string_view variant, native::Options options) {
+    options.size = d;
+    options.prior_variance = 64;
+    return native::make(variant, ArithmeticTraits<T>::name, options);
 }
 template <class F>
     requires(!std::derived_from<F, Typed>)

@@ -18,31 +18,40 @@ struct Fit {
     }
 };
 
-/// By Gauss and Jordan on [Phi'W Phi, Phi'W Y, I], w_k = lambda^(N-1-k); Phi'Phi must be regular. J is weighted.
+/// Of a positive definite matrix, by Gauss and Jordan: no pivoting.
+inline Matrix<Rational> inverse(Matrix<Rational> A) {
+    Index const d = A.rows();
+    Matrix<Rational> X = Matrix<Rational>::Constant(d, d, Rational(0));
+    for (Index i = 0; i < d; ++i) X(i, i) = 1;
+    for (Index i = 0; i < d; ++i) {
+        Rational const pivot = A(i, i);
+        for (Index j = 0; j < d; ++j) A(i, j) /= pivot, X(i, j) /= pivot;
+        for (Index r = 0; r < d; ++r) {
+            if (r == i) continue;
+            Rational const factor = A(r, i);
+            for (Index j = 0; j < d; ++j) A(r, j) -= factor * A(i, j), X(r, j) -= factor * X(i, j);
+        }
+    }
+    return X;
+}
+
+/// (Phi'W Phi)^-1 Phi'W Y, w_k = lambda^(N-1-k); Phi'Phi must be regular. J is weighted.
 inline Fit of(Records const& records, Rational const& lambda = 1) {
     Index const d = records.parameters(), N = records.rows();
-    Matrix<Rational> A(d, 2 * d + 1);
-    for (Index i = 0; i < d; ++i)
-        for (Index j = 0; j < 2 * d + 1; ++j) A(i, j) = j == d + 1 + i ? 1 : 0;
-    Vector<Rational> weight(N);
+    Matrix<Rational> M = Matrix<Rational>::Constant(d, d, Rational(0));
+    Vector<Rational> b = Vector<Rational>::Constant(d, Rational(0)), theta = b, weight(N);
     weight[N - 1] = 1;
     for (Index k = N - 1; k > 0; --k) weight[k - 1] = weight[k] * lambda;
     for (Index k = 0; k < N; ++k)
         for (Index i = 0; i < d; ++i) {
             Rational const x = weight[k] * Rational(records.psi(i, k));
-            for (Index j = 0; j < d; ++j) A(i, j) += x * Rational(records.psi(j, k));
-            A(i, d) += x * Rational(records.y[k]);
+            for (Index j = 0; j < d; ++j) M(i, j) += x * Rational(records.psi(j, k));
+            b[i] += x * Rational(records.y[k]);
         }
-    for (Index i = 0; i < d; ++i) {  // positive definite: no pivoting
-        Rational const pivot = A(i, i);
-        for (Index j = i; j < 2 * d + 1; ++j) A(i, j) /= pivot;
-        for (Index r = 0; r < d; ++r) {
-            if (r == i) continue;
-            Rational const factor = A(r, i);
-            for (Index j = i; j < 2 * d + 1; ++j) A(r, j) -= factor * A(i, j);
-        }
-    }
-    Fit out{A.col(d), Vector<Rational>(N), A.rightCols(d), 0};
+    Matrix<Rational> const P = inverse(M);
+    for (Index i = 0; i < d; ++i)
+        for (Index j = 0; j < d; ++j) theta[i] += P(i, j) * b[j];
+    Fit out{theta, Vector<Rational>(N), P, 0};
     for (Index k = 0; k < N; ++k) {
         Rational e(records.y[k]);
         for (Index i = 0; i < d; ++i) e -= Rational(records.psi(i, k)) * out.theta[i];

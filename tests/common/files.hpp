@@ -1,14 +1,20 @@
-// Helpers for tests of files: a folder that is removed with its test, and the message with which an action is refused.
+// Helpers for tests of files: a folder that is removed with its test, what is in a file, a command of the shell, and the
+// message with which an action is refused.
 #pragma once
 
 #include "tests/common/message.hpp"
 
 #include <rlslab/core/input_error.hpp>
 
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdlib.h>
 #include <string>
+#include <sys/wait.h>
+#include <vector>
 
 namespace rlslab::files {
 
@@ -33,12 +39,40 @@ struct Folder {
     }
 };
 
-/// What it throws as InputError, or "no error".
-template <class Action>
+inline std::string read(std::filesystem::path const& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Without their ends.
+inline std::vector<std::string> lines_of(std::string const& text) {
+    std::vector<std::string> out;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) out.push_back(line);
+    return out;
+}
+
+struct Ran {
+    int code;
+    std::string text;  ///< standard output and error
+};
+inline Ran shell(std::string const& command) {
+    std::FILE* const pipe = popen(("{ " + command + "; } 2>&1 </dev/null").c_str(), "r");
+    Ran out{-1, ""};
+    std::array<char, 4096> buffer;
+    while (size_t const got = std::fread(buffer.data(), 1, buffer.size(), pipe)) out.text.append(buffer.data(), got);
+    int const status = pclose(pipe);
+    out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return out;
+}
+inline bool there_is(std::string const& program) { return shell("command -v " + program).code == 0; }
+
+/// What it throws as Error, or "no error".
+template <class Error = InputError, class Action>
 std::string message_of(Action const& action) {
     try {
         action();
-    } catch (InputError const& error) {
+    } catch (Error const& error) {
         return error.what();
     }
     return "no error";

@@ -3,21 +3,11 @@
 
 #include "tests/common/files.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <sys/wait.h>
-
 namespace fs = std::filesystem;
 
 inline std::string const program = RLSLAB_PROGRAM, root = RLSLAB_SOURCE_DIR;
 
-inline std::string read(fs::path const& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
+using rlslab::files::lines_of, rlslab::files::read;
 
 /// The command on so many ranks of an MPI job, more of them than cores if need be.
 inline std::string on_ranks(int number, std::string const& command) {

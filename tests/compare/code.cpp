@@ -13,8 +13,6 @@
 
 #include <cxxabi.h>
 #include <fstream>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <map>
 
 namespace rlslab {
@@ -115,8 +113,7 @@ std::string learnt_by(std::string const& text, Records const& records, std::stri
     std::string const in = "cd '" + folder.path.string() + "' && ";
     if (std::system((in + by.compile + " -o main").c_str()) != 0) return "does not compile:\n" + text;
     if (std::system((in + "./main > out.txt").c_str()) != 0) return "does not run:\n" + text;
-    std::ifstream out(folder.path / "out.txt");
-    return {std::istreambuf_iterator<char>(out), {}};
+    return files::read(folder.path / "out.txt");
 }
 
 /// The same of the catalogue's filter, in units of the record: its columns are taken times the filter's powers of two.
@@ -127,21 +124,16 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records records, Coded
     for (Index i = 0; i < records.parameters(); ++i) records.psi.row(i) *= std::ldexp(1.0, exponents[size_t(i)]);
     records.y *= std::ldexp(1.0, coded.output_exponent);
     std::string out;
-    for (CatalogueEntry const& entry : catalogue()) {
-        if (entry.variant != coded.variant || entry.arithmetic->name != coded.arithmetic) continue;
-        Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
-        std::unique_ptr<AnyFilter> const filter =
-            c.options.composition.empty() ? entry.make(problem, Seed{1})
-                                          : std::unique_ptr<AnyFilter>(composed(c.options.composition, entry.variant,
-                                                                                entry.arithmetic->name, problem));
-        for (Index k = 0; k < records.rows(); ++k) {
-            filter->update(records.sample(k), records.y[k]);
-            Vector<Reference> const theta = filter->theta();
-            for (Index i = 0; i < theta.size(); ++i)
-                out +=
-                    hex(std::ldexp(static_cast<double>(theta[i]), exponents[size_t(i)] - coded.output_exponent)) + " ";
-            out += '\n';
-        }
+    Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
+    std::unique_ptr<AnyFilter> const filter =
+        c.options.composition.empty() ? find_entry(coded.variant, coded.arithmetic)->make(problem, Seed{1})
+                                      : composed(c.options.composition, coded.variant, coded.arithmetic, problem);
+    for (Index k = 0; k < records.rows(); ++k) {
+        filter->update(records.sample(k), records.y[k]);
+        Vector<Reference> const theta = filter->theta();
+        for (Index i = 0; i < theta.size(); ++i)
+            out += hex(std::ldexp(static_cast<double>(theta[i]), exponents[size_t(i)] - coded.output_exponent)) + " ";
+        out += '\n';
     }
     return out;
 }

@@ -108,10 +108,7 @@ std::vector<std::string> shown_on_a_terminal(std::string const& command, unsigne
     std::string text = on_a_terminal(command, {}, columns).text;
     for (size_t at; (at = text.find("\033[")) != text.npos;) text.erase(at, text.find('m', at) + 1 - at);
     std::erase(text, '\r');
-    std::vector<std::string> lines;
-    std::istringstream in(text);
-    for (std::string line; std::getline(in, line);) lines.push_back(line);
-    return lines;
+    return lines_of(text);
 }
 TEST_F(CompareCommand, FitsATerminal) {
     std::string const in = "cd '" + folder.string() + "'; '" + program + "' compare two.csv ";
@@ -168,7 +165,7 @@ TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
     EXPECT_THAT(text("tiny.csv --regressors u --output y --intercept --arithmetic float"),
                 rlslab::Names("float rounding data theta"));
 }
-/// NIST's certified coefficients are plain least squares (tests/model/regression.cpp); with any prior there is another
+/// NIST's certified coefficients are plain least squares (tests/model/fit.cpp); with any prior there is another
 /// minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley = "--example longley --arithmetic double", said = text(longley);

@@ -9,7 +9,6 @@
 #include <rlslab/core/input_error.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,12 @@
 // What `compare` doubts of a record before it says anything of variants: the sentences of `identify`.
 #include "tests/common/program.hpp"
 
-#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/model/difference.hpp>
 #include <rlslab/model/signals.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <map>
 
 namespace {

@@ -10,9 +10,6 @@
 #include <rlslab/input/csv.hpp>
 #include <rlslab/model/regression.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>

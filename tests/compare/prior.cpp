@@ -6,10 +6,6 @@
 
 #include <rlslab/core/random.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cmath>
 
 namespace rlslab {

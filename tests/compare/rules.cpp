@@ -4,9 +4,6 @@
 #include "src/lab/compare/score.hpp"
 #include "src/lab/compare/words.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <deque>
 #include <set>
 

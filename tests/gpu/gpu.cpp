@@ -5,7 +5,6 @@
 #include <rlslab/variants/ud.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstring>
 #include <fstream>

@@ -1,12 +1,8 @@
 // The house keeps its rules: one list of variants, files of the size their kind should have, folders in one order.
 #include <rlslab/catalogue/catalogue.hpp>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/common/files.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -19,14 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 fs::path const root = RLSLAB_SOURCE_DIR;
 
-long lines(fs::path const& path) {
-    std::ifstream file(path);
-    return std::count(std::istreambuf_iterator<char>(file), {}, '\n');
-}
-std::string text(fs::path const& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string text(fs::path const& path) { return files::read(path); }
+long lines(fs::path const& path) { return std::ranges::count(text(path), '\n'); }
 
 /// Files of C++ and what is in them, by their path from the project's folder.
 using Tree = std::map<std::string, std::string>;
@@ -158,8 +148,7 @@ std::pair<std::string, std::string> const links[] = {{"src/rlslab/variants/", "v
 /// folder.
 std::vector<std::string> included(std::string const& code) {
     std::vector<std::string> out;
-    std::istringstream lines(code);
-    for (std::string line; std::getline(lines, line);) {
+    for (std::string const& line : files::lines_of(code)) {
         std::istringstream words(line);
         std::string word, name;
         words >> word;

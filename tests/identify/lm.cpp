@@ -7,8 +7,6 @@
 
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
-#include <sstream>
 
 namespace {
 
@@ -95,9 +93,8 @@ TEST_F(Program, FiltersAsRDoes) {
           "--a=-2.1,1.61,-0.441 --b=0.3 --input coloured:-0.9", "--a=0.2,0.9 --b=1 --delay 2 --input steps:5:40"}) {
         Outcome const run = shell(fmt::format("rlslab simulate {} --samples 500 --seed {}", words, ++number));
         ASSERT_EQ(run.code, 0) << run.err;
-        std::istringstream lines(without_run(run.out));
         std::vector<double> y;
-        for (std::string line; std::getline(lines, line);)
+        for (std::string const& line : lines_of(without_run(run.out)))
             if (line != "u,y") y.push_back(std::stod(line.substr(line.find(',') + 1)));
         ASSERT_EQ(y.size(), 500u) << words;
         json const of = expected.at(fmt::format("system_{}", number)).at("y");

@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include <regex>
-#include <sstream>
 
 namespace rlslab::identify {
 

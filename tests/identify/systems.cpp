@@ -401,9 +401,8 @@ TEST_P(Systems, SayWhatAUserShouldRead) {
     });
     if (said.empty()) said = "REFUSED " + refusal;
     said = std::regex_replace(said, std::regex("\n    (?! )| +"), " ");  // lines that go on, and columns
-    std::vector<std::string> lines;
-    std::istringstream in(said + '\n' + json), all(filled(s.says, nlohmann::json::parse(json.empty() ? "{}" : json)));
-    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    std::vector<std::string> const lines = lines_of(said + '\n' + json);
+    std::istringstream all(filled(s.says, nlohmann::json::parse(json.empty() ? "{}" : json)));
     for (std::string things; std::getline(all, things, '|');) {
         things = things.substr(things.find_first_not_of(' '));
         things.erase(things.find_last_not_of(' ') + 1);

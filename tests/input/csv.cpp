@@ -3,7 +3,6 @@
 #include "tests/input/read_text.hpp"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,7 +12,6 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <thread>
 

@@ -3,7 +3,6 @@
 #include "tests/input/read_text.hpp"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <bit>

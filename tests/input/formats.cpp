@@ -8,7 +8,6 @@
 #include <rlslab/input/sha256.hpp>
 #include <rlslab/input/text.hpp>
 
-#include <gtest/gtest.h>
 #include <zlib.h>
 
 #include <bit>

@@ -4,8 +4,6 @@
 #include <rlslab/input/times.hpp>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

@@ -15,7 +15,6 @@
 #include <rlslab/variants/ud_delta.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>

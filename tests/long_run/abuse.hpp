@@ -1,4 +1,4 @@
-// Rows that an application must outlive, and what a filter is after them.
+// Rows that an application must outlive, what a filter is after them, and the command line of programs that show it.
 #pragma once
 
 #include <rlslab/core/random.hpp>
@@ -7,6 +7,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <optional>
 
 namespace rlslab::long_run {
@@ -150,6 +152,20 @@ Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
             definiteness(f.stored().template mapped<Reference>([](float x) { return Reference(x); })) != Health::sound;
     }
     return out;
+}
+
+struct Length {
+    long long rows, seed;
+};
+
+/// nullopt, and a line on standard error, for words that are no ROWS [SEED].
+inline std::optional<Length> length_of(char const* program, int arguments, char** argument) {
+    char* end = nullptr;
+    Length const out{arguments > 1 ? std::strtoll(argument[1], &end, 10) : 0,
+                     arguments > 2 ? std::strtoll(argument[2], nullptr, 10) : 71};
+    if (out.rows >= 1 && out.rows <= 1'000'000'000'000 && !*end && arguments <= 3) return out;
+    std::fprintf(stderr, "%s: expected ROWS [SEED], rows from 1 to 1e12\n", program);
+    return {};
 }
 
 }  // namespace rlslab::long_run

@@ -1,11 +1,8 @@
 // long_run ROWS [SEED]: a guarded Ud<float, 5> through abuse, for as long as wanted. Its log stands in
 // docs/long_run.md.
 #include "tests/long_run/abuse.hpp"
-#include "tests/long_run/arguments.hpp"
 
 #include <rlslab/adapt/guard.hpp>
-
-#include <cstdio>
 
 int main(int arguments, char** argument) {
     using namespace rlslab;

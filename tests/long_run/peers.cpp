@@ -1,7 +1,6 @@
 // peers_long_run ROWS [SEED]: the rows of long_run through dlib's and liquid's filters. How they end stands in
 // docs/long_run.md.
 #include "tests/long_run/abuse.hpp"
-#include "tests/long_run/arguments.hpp"
 
 #include <cstdio>
 #include <dlib/svm/rls.h>

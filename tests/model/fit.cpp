@@ -8,36 +8,21 @@
 #include <rlslab/reference/scatter.hpp>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <fstream>
 
 namespace rlslab {
 namespace {
 
+std::filesystem::path const nist_folder = RLSLAB_SOURCE_DIR "/studies/data/nist";
 Records nist(std::string const& name) {
-    CsvFile file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "studies/data/nist" / (name + ".csv"));
+    CsvFile file(nist_folder / (name + ".csv"));
     std::vector<std::string> regressors = file.names();
     Columns const data = file.read(regressors);
     regressors.pop_back();
     return linear_records(data, regressors, "y");
-}
-
-// --- the tails that the tests below rely on, against published tables ------------------------------------------------
-
-TEST(Tails, AreThoseOfTheTables) {
-    using namespace exact_fit;
-    // Abramowitz & Stegun, tables 26.8, 26.10, 26.9: upper percentage points.
-    EXPECT_NEAR(chi_squared_tail(1, 3.84146), 0.05, 1e-6);
-    EXPECT_NEAR(chi_squared_tail(2, 9.21034), 0.01, 1e-7);
-    EXPECT_NEAR(chi_squared_tail(10, 18.3070), 0.05, 1e-6);
-    EXPECT_NEAR(chi_squared_tail(25, 44.3141), 0.01, 1e-6);
-    EXPECT_NEAR(student_inside(1, 12.706), 0.95, 1e-5);
-    EXPECT_NEAR(student_inside(2, 4.303), 0.95, 1e-5);
-    EXPECT_NEAR(student_inside(9, 2.262), 0.95, 1e-4);
-    EXPECT_NEAR(student_inside(10, 3.169), 0.99, 1e-4);
-    EXPECT_NEAR(student_inside(30, 2.042), 0.95, 1e-4);
-    EXPECT_NEAR(f_tail(2, 10, 7.56), 0.01, 1e-5);
-    EXPECT_NEAR(f_tail(4, 20, 2.8661), 0.05, 1e-5);
 }
 
 // --- by hand ---------------------------------------------------------------------------------------------------------
@@ -188,6 +173,41 @@ TEST(FitOfNist, FilipInBalls) {
         EXPECT_NEAR(s.scatter.sd[i] / std::sqrt(static_cast<double>(rational.inverse(i, i))), 1, 1e-12) << i;
 }
 
+/// Their exact solutions.
+Vector<double> solution(std::string const& name, std::string const& which = "theta") {
+    static auto const all = nlohmann::json::parse(std::ifstream(nist_folder / "solutions.json"));
+    auto const text = all.at(name).at(which).get<std::vector<std::string>>();
+    Vector<double> theta(text.size());
+    for (std::size_t i = 0; i < text.size(); ++i) theta[Index(i)] = std::stod(text[i]);
+    return theta;
+}
+
+double residual_sum(Records const& records, Vector<double> const& theta) {
+    return (records.y - records.psi.transpose() * theta).squaredNorm();
+}
+
+TEST(NistData, LeaveTheCertifiedResidualSums) {
+    // Rounding theta and psi' theta moves residuals of about 200 by some 1e-9; a mistyped digit moves the sum far more.
+    EXPECT_NEAR(residual_sum(nist("longley"), solution("longley")), 836424.055505915, 1e-2);
+    for (auto const& [name, sum] : {std::pair{"wampler1", 0.},
+                                    {"wampler3", 83554268.},
+                                    {"wampler4", 835542680000.},
+                                    {"wampler5", 8355426800000000.}})
+        EXPECT_EQ(residual_sum(nist(name), solution(name)), sum) << name;  // integers throughout
+    EXPECT_LT(residual_sum(nist("wampler2"), solution("wampler2")), 1e-24);
+    EXPECT_NEAR(residual_sum(nist("filip"), solution("filip", "theta_stored")), 0.795851382172941e-3, 1e-9);
+}
+
+TEST(NistData, FilipHoldsTheBitsOfRepeatedProducts) {
+    auto const filip = nist("filip");
+    ASSERT_EQ(filip.parameters(), 11);
+    ASSERT_EQ(filip.rows(), 82);
+    for (Index k = 0; k < 82; ++k) {
+        EXPECT_EQ(filip.psi(0, k), 1);
+        for (Index j = 1; j < 11; ++j) EXPECT_EQ(filip.psi(j, k), filip.psi(j - 1, k) * filip.psi(1, k));
+    }
+}
+
 // --- scatter: with forgetting and with a prior, in rationals ---------------------------------------------------------
 
 TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
@@ -204,7 +224,7 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
             if (variance > 0) problem.prior = Prior<double>{.variance = variance};
             // The prior as d rows of weight lambda^N that carry no noise.
             Rational const l(lambda), zero(0);
-            Matrix<Rational> G = Matrix<Rational>::Constant(d, d, zero), M = G, X(d, 2 * d);
+            Matrix<Rational> G = Matrix<Rational>::Constant(d, d, zero), M = G;
             Rational sum_w = 0, w = 1;
             for (Index k = N - 1; k >= 0; --k, w *= l) {
                 sum_w += w;
@@ -215,19 +235,8 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
                     }
             }
             for (Index i = 0; i < d; ++i)
-                for (Index j = 0; j < d; ++j) {
-                    X(i, j) = G(i, j) + (i == j && variance > 0 ? Rational(w / Rational(variance)) : zero);
-                    X(i, d + j) = i == j ? 1 : 0;
-                }
-            for (Index i = 0; i < d; ++i) {
-                Rational const pivot = X(i, i);
-                for (Index j = 0; j < 2 * d; ++j) X(i, j) /= pivot;
-                for (Index r = 0; r < d; ++r) {
-                    Rational const factor = X(r, i);
-                    for (Index j = 0; r != i && j < 2 * d; ++j) X(r, j) -= factor * X(i, j);
-                }
-            }
-            Matrix<Rational> const P = X.rightCols(d);
+                if (variance > 0) G(i, i) += w / Rational(variance);
+            Matrix<Rational> const P = exact_fit::inverse(G);
             // H = Phi P Phi'W maps y to its prediction: the residuals are (I - H) xi, and E J / sigma^2 is the trace of
             // (I-H)'W(I-H).
             Matrix<Rational> E(N, N);

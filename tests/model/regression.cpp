@@ -4,19 +4,13 @@
 
 #include <rlslab/model/regression.hpp>
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
 namespace rlslab {
 namespace {
 
-namespace fs = std::filesystem;
 using files::message_of;
 using Words = std::vector<std::string>;
 using Numbers = std::vector<double>;
@@ -167,63 +161,8 @@ TEST(RecordsRefuse, ColumnsInTwoRoles) {
     EXPECT_THROW(arx_records(data, "u", "z", {.na = 1, .nb = 1}), std::invalid_argument);
 }
 
-TEST(Demo, SalesFollowTheirIndicator) {
-    auto const data = read_columns(fs::path(RLSLAB_SOURCE_DIR) / "studies/data/sales.csv", {"lead", "sales"});
-    auto const records = arx_records(data, "lead", "sales", {.na = 1, .nb = 1, .delay = 3, .intercept = true});
-    EXPECT_EQ(records.rows(), 146);
-    EXPECT_EQ(records.presample, 4);
-}
-
-/// The files of studies/data/nist as records, and their exact solutions.
-struct Nist {
-    fs::path folder = fs::path(RLSLAB_SOURCE_DIR) / "studies/data/nist";
-    nlohmann::json solutions = nlohmann::json::parse(std::ifstream(folder / "solutions.json"));
-    Records records(std::string const& name) const {
-        CsvFile file(folder / (name + ".csv"));
-        auto regressors = file.names();
-        auto const data = file.read(regressors);
-        regressors.pop_back();
-        return linear_records(data, regressors, "y");
-    }
-    Vector<double> theta(std::string const& name, std::string const& which = "theta") const {
-        auto const text = solutions.at(name).at(which).get<Words>();
-        Vector<double> theta(text.size());
-        for (std::size_t i = 0; i < text.size(); ++i) theta[Index(i)] = std::stod(text[i]);
-        return theta;
-    }
-};
-
-double residual_sum(Records const& records, Vector<double> const& theta) {
-    return (records.y - records.psi.transpose() * theta).squaredNorm();
-}
-
-TEST(NistData, LeaveTheCertifiedResidualSums) {
-    Nist const nist;
-    // Rounding theta and psi' theta moves residuals of about 200 by some 1e-9; a mistyped digit moves the sum far more.
-    EXPECT_NEAR(residual_sum(nist.records("longley"), nist.theta("longley")), 836424.055505915, 1e-2);
-    for (auto const& [name, sum] : {std::pair{"wampler1", 0.},
-                                    {"wampler3", 83554268.},
-                                    {"wampler4", 835542680000.},
-                                    {"wampler5", 8355426800000000.}})
-        EXPECT_EQ(residual_sum(nist.records(name), nist.theta(name)), sum) << name;  // integers throughout
-    EXPECT_LT(residual_sum(nist.records("wampler2"), nist.theta("wampler2")), 1e-24);
-    EXPECT_NEAR(residual_sum(nist.records("filip"), nist.theta("filip", "theta_stored")), 0.795851382172941e-3, 1e-9);
-}
-
-TEST(NistData, FilipHoldsTheBitsOfRepeatedProducts) {
-    auto const filip = Nist().records("filip");
-    ASSERT_EQ(filip.parameters(), 11);
-    ASSERT_EQ(filip.rows(), 82);
-    for (Index k = 0; k < 82; ++k) {
-        EXPECT_EQ(filip.psi(0, k), 1);
-        for (Index j = 1; j < 11; ++j) EXPECT_EQ(filip.psi(j, k), filip.psi(j - 1, k) * filip.psi(1, k));
-    }
-}
-
 // --- lists of regressors ---------------------------------------------------------------------------------------------
 
-using files::message_of;
-using Words = std::vector<std::string>;
 using List = std::vector<Lagged>;
 
 List list(Words const& words, std::string const& output = "y") { return lagged_of("--regressors", words, output); }
@@ -292,9 +231,7 @@ RC_GTEST_PROP(LaggedRecords, ContainTheArxModels, ()) {
     auto const count = *rc::gen::inRange<size_t>(20, 60);
     std::vector<double> u(count), y(count);
     for (size_t k = 0; k < count; ++k)
-        for (auto* x : {&u, &y})
-            (*x)[k] = *rc::gen::inRange(0, 30) == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                                    : double(*rc::gen::inRange(-99, 99));
+        for (auto* x : {&u, &y}) (*x)[k] = *rc::gen::inRange(0, 30) == 0 ? missing : double(*rc::gen::inRange(-99, 99));
     List regressors;
     for (int i = 1; i <= model.na; ++i) regressors.push_back({"y", i});
     for (int i = 0; i <= model.nb; ++i) regressors.push_back({"u", model.delay + i});

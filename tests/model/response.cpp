@@ -171,9 +171,7 @@ TEST(Responses, RefuseTermsThatAreNone) {
 
 // --- roots: simple, multiple, complex, at zero, far apart ------------------------------------------------------------
 
-using Point = std::complex<double>;
-
-Reference value(std::vector<double> const& p, double at) {
+Reference value(std::vector<double> const& p, Reference const& at) {
     Reference out = 1;
     for (double const c : p) out = out * at + c;
     return out;
@@ -181,12 +179,7 @@ Reference value(std::vector<double> const& p, double at) {
 /// The double nearest to a simple real root: the sign changes between the middles to its neighbours.
 bool is_nearest(std::vector<double> const& p, double root) {
     auto const middle = [&](double to) { return (Reference(root) + std::nextafter(root, to)) / 2; };
-    auto const at = [&](Reference const& x) {
-        Reference out = 1;
-        for (double const c : p) out = out * x + c;
-        return out;
-    };
-    return value(p, root) == 0 || at(middle(-INFINITY)) * at(middle(INFINITY)) < 0;
+    return value(p, root) == 0 || value(p, middle(-INFINITY)) * value(p, middle(INFINITY)) < 0;
 }
 
 TEST(Roots, RealOnesAreTheNearestDoubles) {

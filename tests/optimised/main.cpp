@@ -1,4 +1,4 @@
-// Two studies that compute in double themselves, at -O3 with all that they include (tests/studies/same_bytes.cpp).
+// Two studies that compute in double themselves, at -O3 with all that they include (tests/studies/engine.cpp).
 #include <rlslab/studies/study_main.hpp>
 
 namespace rlslab::studies {

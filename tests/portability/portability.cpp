@@ -4,14 +4,8 @@
 
 #include <rlslab/core/rounding.hpp>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
 #include <cfenv>
-#include <cstdio>
 #include <cstdlib>
-#include <sys/wait.h>
 #ifdef __x86_64__
 #include <immintrin.h>
 #endif
@@ -19,25 +13,11 @@
 namespace rlslab {
 namespace {
 
+using files::shell, files::there_is, files::Ran;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
-
-struct Outcome {
-    int code;
-    std::string text;  // standard output and error
-};
-Outcome shell(std::string const& command) {
-    std::FILE* const pipe = popen(("{ " + command + "; } 2>&1 </dev/null").c_str(), "r");
-    Outcome out{-1, ""};
-    std::array<char, 4096> buffer;
-    while (size_t const got = std::fread(buffer.data(), 1, buffer.size(), pipe)) out.text.append(buffer.data(), got);
-    int const status = pclose(pipe);
-    out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return out;
-}
-bool there_is(std::string const& program) { return shell("command -v " + program).code == 0; }
 
 /// The compiler of this build, and the others that are installed.
 std::vector<std::string> compilers() {
@@ -47,6 +27,11 @@ std::vector<std::string> compilers() {
     return out;
 }
 std::string const headers = " -std=c++20 " RLSLAB_HEADER_FLAGS " ";
+/// Prints what rounding_faults() says.
+constexpr char faults_printed[] = R"(#include <rlslab/core/rounding.hpp>
+#include <cstdio>
+int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.data()); }
+)";
 
 TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
     files::Folder const folder;
@@ -54,7 +39,7 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
     std::string const least = folder.file("#include <rlslab/core/scalar.hpp>\n", "least.cpp");
     for (std::string const& compiler : compilers()) {
         for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only"}) {
-            Outcome const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
+            Ran const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
             EXPECT_NE(tried.code, 0) << compiler << " " << options;
             EXPECT_THAT(tried.text, HasSubstr("rlslab: -ffast-math or -ffinite-math-only"))
                 << compiler << " " << options;
@@ -62,7 +47,7 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
         EXPECT_THAT(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).text,
                     HasSubstr("rlslab: -ffast-math"))
             << compiler;
-        Outcome const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
+        Ran const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
         EXPECT_EQ(plain.code, 0) << plain.text;
     }
     for (char const* options : {"-funsafe-math-optimizations",
@@ -93,13 +78,10 @@ TEST(Options, OfAnOlderLanguageGetOneMessage) {
 TEST(Rounding, TellsOfReciprocals) {
     if (!there_is("clang++")) GTEST_SKIP() << "needs clang++";
     files::Folder const folder;
-    std::string const source = (folder.path / "app.cpp").string(), app = (folder.path / "app").string();
-    std::ofstream(source) << "#include <rlslab/core/rounding.hpp>\n#include <cstdio>\n"
-                             "int main() { for (auto fault : rlslab::rounding_faults()) std::puts(fault.data()); }\n";
+    std::string const source = folder.file(faults_printed, "app.cpp"), app = (folder.path / "app").string();
     for (auto const& [option, expected] :
          {std::pair("", ""), {"-freciprocal-math", "quotients are products with a reciprocal"}}) {
-        Outcome const built =
-            shell("clang++" + headers + "-O2 -ffp-contract=off " + option + " " + source + " -o " + app);
+        Ran const built = shell("clang++" + headers + "-O2 -ffp-contract=off " + option + " " + source + " -o " + app);
         ASSERT_EQ(built.code, 0) << built.text;
         EXPECT_THAT(shell(app).text, StartsWith(expected)) << option;
         EXPECT_EQ(shell(app).text.empty(), *expected == '\0') << option;
@@ -130,13 +112,7 @@ TEST(Rounding, TellsOfSubnormalsTakenAsZero) {
 TEST(Rounding, TellsOfContraction) {
     if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "this processor has no fused multiply-add";
     files::Folder const folder;
-    std::string const app = folder.file(R"(#include <rlslab/core/rounding.hpp>
-#include <cstdio>
-#include <cstdlib>
-int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.data()); }
-)",
-                                        "app.cpp");
-    std::string const out = (folder.path / "app").string();
+    std::string const app = folder.file(faults_printed, "app.cpp"), out = (folder.path / "app").string();
     for (std::string const& compiler : compilers())
         for (char const* level : {"-O0 ", "-O2 ", "-O3 "}) {
             auto const told = [&](std::string const& options) {
@@ -167,7 +143,7 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
                 name.find("core/instructions") == name.npos && !library)
                 all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
         }
-    Outcome const tried = shell(command + folder.file(all, "all.cpp"));
+    Ran const tried = shell(command + folder.file(all, "all.cpp"));
     EXPECT_EQ(tried.code, 0) << tried.text;
 }
 
@@ -175,7 +151,7 @@ constexpr char digest_sources[] =
     RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp " RLSLAB_SOURCE_DIR "/tests/portability/asked.cpp ",
                digest_options[] = "-O1 -ffp-contract=off -DNDEBUG -I " RLSLAB_SOURCE_DIR " ";
 void expect_the_bits_of_this_machine(std::string const& command) {
-    Outcome const there = shell(command + " all"), here = shell(RLSLAB_DIGEST " all");
+    Ran const there = shell(command + " all"), here = shell(RLSLAB_DIGEST " all");
     EXPECT_EQ(there.code, 0);
     EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
     EXPECT_EQ(there.text, here.text);
@@ -198,7 +174,7 @@ TEST_P(Processors, OfAnotherKindLeaveTheSameBits) {
         GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
-    Outcome const built = shell(compiler + headers + digest_options + "-static " + digest_sources + "-o " + out);
+    Ran const built = shell(compiler + headers + digest_options + "-static " + digest_sources + "-o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
     expect_the_bits_of_this_machine(emulator + " " + out);
 }
@@ -213,7 +189,7 @@ TEST(ProcessorsOfPages, WebAssemblyLeavesTheSameBits) {
     if (!there_is("em++") || !there_is("node")) GTEST_SKIP() << "needs the packages emscripten and nodejs";
     files::Folder const folder;
     std::string const out = (folder.path / "digest.js").string();  // one file: node's own fetch takes no path
-    Outcome const built =
+    Ran const built =
         shell("em++" + headers + digest_options + "-s SINGLE_FILE=1 -s TOTAL_STACK=4MB -s INITIAL_MEMORY=64MB " +
               digest_sources + "-o " + out);
     ASSERT_EQ(built.code, 0) << built.text;

@@ -1,5 +1,6 @@
 // Exported filters are compiled by the C compilers that are here, and leave the bits of C++.
 #include "src/lab/export/export.hpp"
+#include "tests/common/files.hpp"
 #include "tests/embedded/exported.h"
 
 #include <rlslab/arithmetic/counted.hpp>
@@ -12,11 +13,7 @@
 #include <rlslab/variants/ud.hpp>
 #include <rlslab/variants/ud_delta.hpp>
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -163,21 +160,16 @@ std::string program_of(std::vector<Case> const& of) {
     return out + "    return 0;\n}\n";
 }
 
-bool is_there(std::string const& command) {
-    return std::system((command + " --version > /dev/null 2>&1").c_str()) == 0;
-}
 std::vector<std::string> compilers() {
     std::vector<std::string> out;
     for (char const* const name : {"gcc", "clang-16", "clang"})
-        if (is_there(name) && (out.empty() || out.back() != "clang-16")) out.push_back(name);
+        if (files::there_is(name) && (out.empty() || out.back() != "clang-16")) out.push_back(name);
     return out;
 }
 std::string output_of(std::string const& command) {
-    std::string out;
-    FILE* const pipe = popen(command.c_str(), "r");
-    for (char part[4096]; std::size_t const n = std::fread(part, 1, sizeof part, pipe);) out.append(part, n);
-    EXPECT_EQ(pclose(pipe), 0) << command;
-    return out;
+    files::Ran const ran = files::shell(command);
+    EXPECT_EQ(ran.code, 0) << command;
+    return ran.text;
 }
 fs::path compiled(std::string const& compiler, std::string const& options, std::string const& source) {
     fs::path const program = folder() / (source + "." + compiler);
@@ -257,7 +249,7 @@ TEST_F(ExportedC, AnotherOperationLeavesOtherBits) {
     if (output_of("grep -c -w fma /proc/cpuinfo || true") == "0\n") return;
     EXPECT_NE(run("gcc", "-O2 -mfma -ffp-contract=fast", "one.c"), whole) << "operations were fused";
     EXPECT_EQ(run("gcc", "-std=gnu99 -O2 -mfma", "one.c"), whole) << "the header says so to gcc";
-    if (is_there("clang-16")) {
+    if (files::there_is("clang-16")) {
         EXPECT_EQ(run("clang-16", "-O2 -mfma -ffp-contract=on", "one.c"), whole) << "the pragma against it is read";
     }
 }
@@ -273,7 +265,7 @@ TEST_F(ExportedC, RefusesOtherArithmetics) {
                        ("gcc -c -o /dev/null " + options + " " + (folder() / "refused.c").string() + " 2> /dev/null")
                            .c_str()) == 0;
         };
-        if (!is_there("gcc")) GTEST_SKIP() << "no gcc";
+        if (!files::there_is("gcc")) GTEST_SKIP() << "no gcc";
         EXPECT_TRUE(compiles(""));
         EXPECT_FALSE(compiles("-ffast-math"));
         EXPECT_FALSE(compiles("-ffinite-math-only"));
@@ -304,11 +296,11 @@ TEST_F(ExportedC, SavesAndLoadsTheStateOfCxx) {
     for (Case const& c : cases()) {
         if (c.size != 4 || !c.loops) continue;
         std::string const name = c.name(), number = c.in_double ? "double" : "float";
-        write(folder() / "state.c", "#include \"" + name +
-                                        ".h\"\n#include <stdio.h>\n#include \"" RLSLAB_SOURCE_DIR
-                                        "/tests/embedded/exported.h\"\n#define d " +
-                                        std::to_string(c.size) + "\n#define number " + number + "\n#define MADE(x) " +
-                                        name + "_##x\n#define BYTES (int)" + c.upper_name() + R"c(_STATE_BYTES
+        std::string source = "#include \"" + name +
+                             ".h\"\n#include <stdio.h>\n#include \"" RLSLAB_SOURCE_DIR
+                             "/tests/embedded/exported.h\"\n#define d " +
+                             std::to_string(c.size) + "\n#define number " + number + "\n#define MADE(x) " + name +
+                             "_##x\n#define BYTES (int)" + c.upper_name() + R"c(_STATE_BYTES
 static void take(MADE(type) *f, hostile_rows *r, int rows) {
     int k, i;
     for (k = 0; k < rows; ++k) {
@@ -342,11 +334,7 @@ int main(void) {
     fwrite(bytes, 1, BYTES, stdout);
     return 0;
 }
-)c");
-        std::string source = [&] {
-            std::ifstream file(folder() / "state.c");
-            return std::string{std::istreambuf_iterator<char>(file), {}};
-        }();
+)c";
         for (std::size_t at; (at = source.find("MADE(type)")) != source.npos;) source.replace(at, 10, name);
         write(folder() / "state.c", source);
         fs::path const program = compiled(compilers().front(), "-O1 -ffp-contract=off", "state.c");
@@ -368,17 +356,13 @@ int main(void) {
     }
 }
 
-std::string text(fs::path const& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
 /// The header of the example is this one, and the function that costs are compared with is the page's.
 TEST_F(ExportedC, IsTheHeaderOfTheMicrocontroller) {
     fs::path const root = RLSLAB_SOURCE_DIR;
-    std::string const here = text(root / "docs/examples/microcontroller/motor.h"),
-                      by_hand = text(root / "tests/embedded/by_hand.h");
+    std::string const here = files::read(root / "docs/examples/microcontroller/motor.h"),
+                      by_hand = files::read(root / "tests/embedded/by_hand.h");
     std::size_t const at = by_hand.find("// Takes one row");
-    EXPECT_NE(text(root / "docs/embedded.md").find(by_hand.substr(at, by_hand.find("\n}\n", at) - at)),
+    EXPECT_NE(files::read(root / "docs/embedded.md").find(by_hand.substr(at, by_hand.find("\n}\n", at) - at)),
               std::string::npos);
     EXPECT_EQ(here, exporting::c_header(
                         {.variant = "ud",
@@ -389,7 +373,7 @@ TEST_F(ExportedC, IsTheHeaderOfTheMicrocontroller) {
 
 /// The rules of MISRA that cppcheck's addon finds broken are those that the header names.
 TEST_F(ExportedC, NamesTheRulesOfMisraThatItBreaks) {
-    if (!is_there("cppcheck")) GTEST_SKIP() << "no cppcheck";
+    if (!files::there_is("cppcheck")) GTEST_SKIP() << "no cppcheck";
     for (Case const& c : cases()) {
         if (c.size != 4 || !c.loops || (c.variant != "ud" && !c.in_double)) continue;
         std::string const header = c.header();

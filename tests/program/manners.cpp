@@ -8,7 +8,6 @@
 
 #include <csignal>
 #include <set>
-#include <sstream>
 
 namespace {
 
@@ -208,11 +207,9 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
             << "who asks for help gets it";
         EXPECT_THAT(help.out, HasSubstr("\nUsage: rlslab " + command));
         EXPECT_THAT(help.out, Not(HasSubstr("\n\n\n")));
-        std::istringstream lines(help.out + whole);
-        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 79u) << line;
+        for (std::string const& line : lines_of(help.out + whole)) EXPECT_LE(line.size(), 79u) << line;
     }
-    std::istringstream list(shell("rlslab list").out);
-    for (std::string line; std::getline(list, line);) EXPECT_LE(line.size(), 79u) << line;
+    for (std::string const& line : lines_of(shell("rlslab list").out)) EXPECT_LE(line.size(), 79u) << line;
 }
 TEST_F(Program, SaysWhatIsInAState) {
     std::string const whole = rlslab::files::kept(RLSLAB_SOURCE_DIR "/tests/data/states.txt").at("ud-double");
@@ -233,8 +230,7 @@ TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
     std::string const page = shell("rlslab man").out;
     for (std::string const& command : commands) {
         EXPECT_THAT(page, HasSubstr("\n.SS rlslab " + command)) << command;
-        std::istringstream help(shell("rlslab help " + command).out);
-        for (std::string line; std::getline(help, line);)
+        for (std::string const& line : lines_of(shell("rlslab help " + command).out))
             if (line.starts_with("  --")) {
                 std::string name;
                 for (char c : line.substr(2, line.find_first_of(" ,=", 3) - 2))
@@ -245,8 +241,8 @@ TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
     if (shell("command -v groff").code != 0) GTEST_SKIP() << "no groff";
     Outcome const read_by_groff = shell("rlslab man | groff -man -Tutf8 -ww -z");
     EXPECT_EQ(read_by_groff.out + read_by_groff.err, "");
-    std::istringstream lines(shell("rlslab man | MANWIDTH=80 groff -man -Tascii -P-cbou").out);
-    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+    for (std::string const& line : lines_of(shell("rlslab man | MANWIDTH=80 groff -man -Tascii -P-cbou").out))
+        EXPECT_LE(line.size(), 80u) << line;
 }
 
 // --- completions -----------------------------------------------------------------------------------------------------

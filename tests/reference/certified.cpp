@@ -1,5 +1,7 @@
 // The certified solution: every exact rational solution lies inside its enclosure, and its status says when there is
 // none.
+#include "tests/common/exact_fit.hpp"
+
 #include <rlslab/core/random.hpp>
 #include <rlslab/reference/certified.hpp>
 
@@ -36,27 +38,6 @@ Matrix<double> random_covariance(Index d, std::uint64_t seed) {
     return A * A.transpose() + Matrix<double>::Identity(d, d);  // exact: few bits
 }
 
-/// X = A^-1 B by Gauss-Jordan elimination in rational numbers.
-Matrix<Rational> solved(Matrix<Rational> A, Matrix<Rational> B) {
-    Index const d = A.rows();
-    for (Index j = 0; j < d; ++j) {
-        Index pivot = j;
-        while (pivot < d && A(pivot, j) == 0) ++pivot;
-        if (pivot == d) throw std::domain_error("singular");
-        A.row(j).swap(A.row(pivot));
-        B.row(j).swap(B.row(pivot));
-        for (Index i = 0; i < d; ++i) {
-            if (i == j) continue;
-            Rational const factor = A(i, j) / A(j, j);
-            for (Index k = 0; k < d; ++k) A(i, k) -= factor * A(j, k);
-            for (Index k = 0; k < B.cols(); ++k) B(i, k) -= factor * B(j, k);
-        }
-    }
-    for (Index j = 0; j < d; ++j)
-        for (Index k = 0; k < B.cols(); ++k) B(j, k) /= A(j, j);
-    return B;
-}
-
 struct Truth {
     Vector<Rational> theta;
     Matrix<Rational> covariance;
@@ -68,18 +49,18 @@ enum class Order { as_documented, reversed };
 Truth truth(Problem<double> const& problem, Records const& data, Index k, Order order = Order::as_documented) {
     Index const d = problem.size;
     Rational const lambda = problem.forgetting;
-    Matrix<Rational> M = Matrix<Rational>::Constant(d, d, Rational(0)), eye = M;
+    Matrix<Rational> M = Matrix<Rational>::Constant(d, d, Rational(0));
     Vector<Rational> b = Vector<Rational>::Constant(d, Rational(0));
-    for (Index i = 0; i < d; ++i) eye(i, i) = 1;
     std::vector<Rational> power{1};
     for (Index i = 0; i < k; ++i) power.push_back(power.back() * lambda);
     if (problem.prior) {
-        Matrix<Rational> P0 = eye;
+        Matrix<Rational> P0(d, d);
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i)
-                P0(i, j) = problem.prior->covariance ? Rational((*problem.prior->covariance)(i, j))
-                                                     : Rational(problem.prior->variance) * eye(i, j);
-        Matrix<Rational> const inverse = solved(P0, eye);
+                P0(i, j) = problem.prior->covariance ? (*problem.prior->covariance)(i, j)
+                           : i == j                  ? problem.prior->variance
+                                                     : 0;
+        Matrix<Rational> const inverse = exact_fit::inverse(P0);
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) {
                 M(i, j) += power[size_t(k)] * inverse(i, j);
@@ -94,7 +75,7 @@ Truth truth(Problem<double> const& problem, Records const& data, Index k, Order 
             b(j) += weight * Rational(data.psi(j, row)) * Rational(data.y(row));
         }
     }
-    Matrix<Rational> const P = solved(M, eye);
+    Matrix<Rational> const P = exact_fit::inverse(M);
     Vector<Rational> theta = Vector<Rational>::Constant(d, Rational(0));
     for (Index j = 0; j < d; ++j)
         for (Index i = 0; i < d; ++i) theta(i) += P(i, j) * b(j);

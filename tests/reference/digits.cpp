@@ -2,7 +2,6 @@
 #include <rlslab/reference/certified.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
@@ -198,18 +197,6 @@ TEST(Condition, OfAHilbertMatrix) {
     for (Index j = 0; j < 6; ++j)
         for (Index i = 0; i < 6; ++i) data.psi(i, j) = 27720 / double(i + j + 1);
     EXPECT_NEAR(condition(data, 1) / 1.49510586401312168e7, 1, 1e-11);
-}
-
-TEST(PriorBias, IsTheRelativeDistance) {
-    // One parameter, M = 1, b = 1: theta = 1 without, 1 / (1 + 1/c^2) with the prior
-    Records const data{.psi = Eigen::MatrixXd::Ones(1, 1), .y = Vector<double>::Ones(1), .names = {}};
-    auto at = [&](Problem<double> const& problem) { return certified(problem, data, {1}).front(); };
-    CertifiedSolution const without = at({.size = 1, .prior = std::nullopt});
-    EXPECT_NEAR(relative_change(at({.size = 1, .prior = Prior<double>{.variance = 3}}), without), 0.25, 1e-15);
-    EXPECT_NEAR(relative_change(at({.size = 1}), without), 1 / 16385.0, 1e-19);
-    CertifiedSolution const none(1, 1, 0, Status::singular);
-    EXPECT_TRUE(std::isnan(relative_change(none, without)));
-    EXPECT_TRUE(std::isnan(relative_change(without, none)));
 }
 
 }  // namespace

@@ -17,7 +17,6 @@
 #include <rlslab/variants/ud_delta.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

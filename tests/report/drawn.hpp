@@ -6,7 +6,6 @@
 #include "src/lab/report/svg.hpp"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>

@@ -32,15 +32,13 @@ double normal(Seed& seed) {
     }
 }
 double exponential(Seed& seed) { return -std::log(1 - seed.uniform()); }
-double squares(Seed& seed, int many) {
-    double sum = 0;
-    for (int i = 0; i < many; ++i) sum += std::pow(normal(seed), 2);
-    return sum / many;
-}
 double average(Seed& seed, int many, double (*of)(Seed&)) {
     double sum = 0;
     for (int i = 0; i < many; ++i) sum += of(seed);
     return sum / many;
+}
+double squares(Seed& seed, int many) {
+    return average(seed, many, [](Seed& s) { return std::pow(normal(s), 2); });
 }
 /// Of `many` runs of one seed; with probability `alike` all come out like the first.
 double share(Seed& seed, int many, double p, double alike) {

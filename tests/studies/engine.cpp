@@ -1,20 +1,19 @@
 // The study engine: the same bytes on any number of threads, no trial lost when it is killed, a false claim detected.
+// Rounding is defined: no byte of a study's table depends on the level at which it is compiled (-O1; here two at -O3),
+// nor on the libm that a processor selects.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/journal.hpp>
 #include <rlslab/studies/run.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include <rlslab/studies/verdicts.hpp>
-#include "tests/common/files.hpp"
+#include "studies/published/fused_double.hpp"
+#include "tests/common/program.hpp"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <atomic>
 #include <csignal>
 #include <fcntl.h>
-#include <fstream>
-#include <sstream>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -23,13 +22,6 @@ namespace rlslab {
 using namespace report;
 using namespace studies;
 namespace {
-
-std::string text_of(std::filesystem::path const& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
 
 /// Draws a few numbers; longer trials finish after shorter ones that started later. Fails at trial `fails`, 0: never.
 Study toy(int fails = 0) {
@@ -64,7 +56,7 @@ TEST(StudyEngine, NoByteDependsOnTheNumberOfThreads) {
     for (int threads : {1, 2, 7}) {
         auto const out = folder.path / std::to_string(threads);
         EXPECT_TRUE(run(study, {.threads = threads, .out = out}).holds());
-        std::string const text = text_of(out / "toy.csv");
+        std::string const text = files::read(out / "toy.csv");
         if (first.empty()) first = text;
         EXPECT_EQ(text, first) << threads;
     }
@@ -85,7 +77,7 @@ TEST(StudyEngine, AnInterruptedRunGoesOnAndEndsWithTheSameBytes) {
     Outcome const outcome = run(whole, options);
     EXPECT_GT(outcome.resumed, 0u);
     EXPECT_LT(outcome.resumed, outcome.trials);
-    EXPECT_EQ(text_of(folder.path / "resumed" / "toy.csv"), text_of(folder.path / "whole" / "toy.csv"));
+    EXPECT_EQ(files::read(folder.path / "resumed" / "toy.csv"), files::read(folder.path / "whole" / "toy.csv"));
     EXPECT_EQ(run(whole, options).resumed, outcome.trials);
 }
 
@@ -127,7 +119,7 @@ TEST(StudyEngine, KilledAtAnyMomentAndStartedAgainItEndsWithTheSameBytes) {
     }
     EXPECT_GT(kills, 2);
     EXPECT_EQ(finished(start(killed)), 0);
-    EXPECT_EQ(text_of(killed + "/gain_error.csv"), text_of(whole + "/gain_error.csv"));
+    EXPECT_EQ(files::read(killed + "/gain_error.csv"), files::read(whole + "/gain_error.csv"));
 }
 
 /// What a study of one's own may do: its error is one that begins with the study's name.
@@ -136,12 +128,7 @@ TEST(StudyEngine, AnOwnStudyThatIsWrongIsNamed) {
         files::Folder const folder;
         Study study = toy();
         spoilt(study);
-        try {
-            run(study, {.out = folder.path});
-        } catch (std::exception const& error) {
-            return std::string(error.what());
-        }
-        return std::string("no error");
+        return files::message_of<std::exception>([&] { run(study, {.out = folder.path}); });
     };
     using Measure = std::function<void(Trial const&, TrialOutput&)>;
     auto const measuring = [](Measure const& measure) { return [measure](Study& s) { s.measure = measure; }; };
@@ -170,11 +157,11 @@ TEST(StudyEngine, EveryCellOfATableComesBackFromTheJournal) {
         if (trial.text("word") != "c") out({"|", "x|"}), out({"", ""});  // and a trial without rows
     };
     run(study, {.out = folder.path});
-    std::string const first = text_of(folder.path / "toy.csv");
+    std::string const first = files::read(folder.path / "toy.csv");
     EXPECT_NE(first.find("a|b,|,x|\na|b,,\n|,|,x|\n|,,\n"), std::string::npos) << first;
     Outcome const again = run(study, {.out = folder.path});
     EXPECT_EQ(again.resumed, 3u);
-    EXPECT_EQ(text_of(folder.path / "toy.csv"), first);
+    EXPECT_EQ(files::read(folder.path / "toy.csv"), first);
     std::ofstream(folder.path / ".trials/toy", std::ios::app) << fmt::format("{:016x} x\n", hash("x"));  // no number
     EXPECT_EQ(run(study, {.out = folder.path}).resumed, 3u);
 }
@@ -221,6 +208,65 @@ TEST(Tables, ReadBackWhatTheyWrote) {
     EXPECT_THROW(csv_line({"a,b"}), std::logic_error);
     EXPECT_THROW(table.number("a"), std::logic_error);
     EXPECT_THROW(table.index("c"), std::logic_error);
+}
+
+// --- the same bytes however it is compiled, and on any processor -----------------------------------------------------
+
+class Optimisation : public Program {};
+
+TEST_F(Optimisation, LeavesEachByteOfATable) {
+    std::string const words = " study fused_symmetry sliding_window --budget quick --fresh --out ";
+    EXPECT_EQ(shell("rlslab" + words + "plain").code, 0);
+    EXPECT_NE(shell(std::string(RLSLAB_STUDIES_OPTIMISED) + words + "optimised").code, 2);
+    for (std::string const study : {"fused_symmetry", "sliding_window"}) {
+        std::string const table = read(folder / "plain" / (study + ".csv"));
+        EXPECT_GT(table.size(), 1000u);
+        EXPECT_EQ(without_run(table), without_run(read(folder / "optimised" / (study + ".csv")))) << study;
+    }
+}
+
+std::string const plain = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA ";
+
+class Libm : public Program {};
+
+/// Powers of ten by libm.
+constexpr char powers[] = R"(awk 'BEGIN { for (k = 1; k < 30000; ++k) printf "%.17g\n", 10 ^ (-k / 1000) }')";
+
+TEST_F(Libm, OfAnOlderProcessorLeavesTheSameTables) {
+    if (shell(powers).out == shell(plain + powers).out) GTEST_SKIP() << "this system's libm is the same either way";
+    for (std::string const study : {"residual_size", "sliding_window"}) {
+        EXPECT_EQ(shell("rlslab study " + study + " --budget quick --fresh --out here").code, 0);
+        EXPECT_EQ(shell(plain + "rlslab study " + study + " --budget quick --fresh --out there").code, 0);
+        std::string const table = read(folder / "here" / (study + ".csv"));
+        EXPECT_GT(table.size(), 1000u);
+        EXPECT_EQ(table, read(folder / "there" / (study + ".csv"))) << study;
+    }
+}
+
+/// Fused means fused, and every other product is rounded.
+TEST(Fused, AProductIsFusedIntoASumAndRoundedElsewhere) {
+    using T = FusedDouble;
+    Seed seed{3};
+    int different = 0;
+    for (int n = 0; n < 1000; ++n) {
+        double const a = seed.bell(), b = seed.bell(), c = seed.bell(), d = seed.bell();
+        T const A(a), B(b), C(c), D(d);
+        EXPECT_EQ(double(T(C + A * B)), std::fma(a, b, c));
+        EXPECT_EQ(double(T(A * B + C)), std::fma(a, b, c));
+        EXPECT_EQ(double(T(C - A * B)), std::fma(-a, b, c));
+        EXPECT_EQ(double(T(A * B - C)), std::fma(a, b, -c));
+        EXPECT_EQ(double(T(A * B + C * D)), std::fma(c, d, a * b));
+        EXPECT_EQ(double(T(A * B - C * D)), std::fma(-c, d, a * b));
+        EXPECT_EQ(double(T(A * B)), a * b);
+        EXPECT_EQ(double(T(A * B / C)), a * b / c);
+        EXPECT_EQ(double(T((A * B) * C)), a * b * c);
+        T sum = C;
+        sum += A * B;
+        sum -= C * D;
+        EXPECT_EQ(double(sum), std::fma(-c, d, std::fma(a, b, c)));
+        different += std::fma(a, b, c) != c + a * b;
+    }
+    EXPECT_GT(different, 100) << "or nothing was tested";
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <rlslab/reference/certified.hpp>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace rlslab {
 using namespace studies;

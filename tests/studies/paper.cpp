@@ -97,10 +97,7 @@ TEST(Latex, KnowsEverySignOfTheClaims) {
 }
 
 TEST_F(Program, ListsEveryClaimWithItsBand) {
-    std::string const text = shell("rlslab list claims").out;
-    std::vector<std::string> lines;
-    std::istringstream in(text);
-    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    std::vector<std::string> const lines = lines_of(shell("rlslab list claims").out);
     size_t n = 0;
     for (Study const* study : studies())
         for (size_t i = 0; i < study->claims.size(); ++i, ++n) {

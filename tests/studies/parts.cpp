@@ -1,12 +1,8 @@
 // A run of studies in parts, on one machine or several: every trial once, and the bytes of one run.
-#include <rlslab/studies/judgements.hpp>
 #include <rlslab/studies/journal.hpp>
 #include <rlslab/studies/run.hpp>
 #include <rlslab/studies/scenarios.hpp>
 #include "tests/common/program.hpp"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 #include <mutex>

@@ -2,8 +2,6 @@
 // digits of P that compare predicts of them.
 #include "studies/published/naming.hpp"
 
-#include <rlslab/studies/spectra.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -13,12 +11,12 @@
 namespace rlslab::studies {
 namespace {
 
-std::vector<DrawnProblem> drawn(Index count) {
+std::vector<DrawnProblem> problems(Index count, Seed seed, DrawnProblem (*draw)(Index number, Seed seed)) {
     std::vector<DrawnProblem> out;
-    Seed seed{7};
-    for (Index number = 1; number <= count; ++number) out.push_back(drawn_problem(number, Seed{seed.next()}));
+    for (Index number = 1; number <= count; ++number) out.push_back(draw(number, Seed{seed.next()}));
     return out;
 }
+std::vector<DrawnProblem> drawn(Index count) { return problems(count, Seed{7}, &drawn_problem); }
 
 TEST(RandomProblems, KeepTheStatedRanges) {
     std::map<std::string, int> words;
@@ -89,12 +87,7 @@ TEST(RandomProblems, RealisationsShareTheSystemAlone) {
 
 // --- the second distribution -----------------------------------------------------------------------------------------
 
-std::vector<DrawnProblem> everyday(Index count) {
-    std::vector<DrawnProblem> out;
-    Seed seed{8};
-    for (Index number = 1; number <= count; ++number) out.push_back(everyday_problem(number, Seed{seed.next()}));
-    return out;
-}
+std::vector<DrawnProblem> everyday(Index count) { return problems(count, Seed{8}, &everyday_problem); }
 
 TEST(EverydayProblems, KeepTheStatedRangesAndTakeTurns) {
     std::map<std::string, int> turns;

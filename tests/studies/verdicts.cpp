@@ -2,13 +2,8 @@
 // fails.
 #include <rlslab/studies/report.hpp>
 #include <rlslab/studies/verdicts.hpp>
+#include "tests/common/files.hpp"
 
-#include <rlslab/core/input_error.hpp>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -121,9 +116,13 @@ TEST(Verdicts, WhatIsNotRecordedIsNoChangeAndIsSaid) {
     EXPECT_THAT(unrecorded({outcome(study, yes, yes, yes)}, longer),
                 ElementsAre("three: an old one: in the record, no longer claimed"));
 }
-std::string page(char const* name) {
-    std::ifstream file(RLSLAB_SOURCE_DIR + std::string(name));
-    return {std::istreambuf_iterator<char>(file), {}};
+std::string page(std::string const& name) { return files::read(RLSLAB_SOURCE_DIR + name); }
+/// The words of a page, a blank behind each.
+std::string words_of(std::string const& name) {
+    std::istringstream in(page(name));
+    std::string text, word;
+    while (in >> word) text += word + ' ';
+    return text;
 }
 /// "| finding | 120 | 80 | 10 | 30 |" for each kind, and "34 studies with 219 claims", as they are recorded for the
 /// quick budget.
@@ -177,12 +176,6 @@ TEST(Verdicts, OfTheFullBudgetAreThoseThatReadmeAndQuestionsCount) {
             if (claim.basis.kind == Kind::own_result && before) add(registered, verdict->second);
         }
     }
-    auto const words_of = [](char const* file) {
-        std::istringstream in(page(file));
-        std::string text, word;
-        while (in >> word) text += word + ' ';
-        return text;
-    };
     std::ostringstream readme, questions;
     readme << "Of our " << registered.claims() << " predictions that were registered before a run " << registered.holds
            << " hold, " << registered.fails << " fail and " << registered.undecided << " are undecided";
@@ -204,9 +197,7 @@ TEST(Verdicts, AreNotInTheWordsOfAClaim) {
 }
 /// Claims that are not in the full record, new or in other words, are named in one place.
 TEST(Verdicts, ClaimsRestatedSinceTheFullRecordAreNamed) {
-    std::istringstream words(page("/docs/questions.md"));
-    std::string text, word;
-    while (words >> word) text += word + ' ';
+    std::string const text = words_of("/docs/questions.md");
     for (Study const* study : studies::studies())
         for (Claim const& claim : study->claims)
             if (!at_full_budget(*study).contains(claim.text)) {
