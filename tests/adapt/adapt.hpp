@@ -55,7 +55,7 @@ bool identical(F const& a, F const& b) {
     return x.F == y.F && x.D == y.D && a.theta() == b.theta();
 }
 
-/// Two filters through take(f, rows, seed): one loaded from the other goes on with its bits, and loads no damaged bytes.
+/// Two filters through take(f, rows, seed): one loaded from the other goes on with its bits; damaged bytes are refused.
 template <class F, class Take>
 void check_state(F const& saved, F const& other, Take take) {
     F f = saved, g = other;
