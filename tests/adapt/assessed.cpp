@@ -5,9 +5,7 @@
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -20,37 +18,24 @@ constexpr double sigma = 0.125, u = 0x1p-53;
 
 // --- psi'P psi -------------------------------------------------------------------------------------------------------
 
-template <class F>
-void check_along() {
-    F f({.size = 4, .forgetting = 0.96875, .prior = Prior<double>{.variance = 4}});
-    Seed rows{3};
-    double psi[4];
-    for (int k = 0; k < 40; ++k) {
-        double const y = draw(rows, psi);
-        f.update(psi, y);
-    }
-    for (int k = 0; k < 5; ++k) {
-        draw(rows, psi);
-        Vector<double> const x = Eigen::Map<Vector<double> const>(psi, 4);
-        double const exact = x.dot(covariance_of(f) * x);
-        EXPECT_NEAR(variance_along(f, Regressor<double>(psi, 4)) / exact, 1, 2000 * u) << F::name;
-        EXPECT_NEAR(variance_along(f, Regressor<double>({0.0, 0.0, 1.0, 0.0})) / variance(f, 2), 1, 2000 * u)
-            << F::name;
-    }
-    auto const before = f;
-    (void)variance_along(f, Regressor<double>(psi, 4));
-    EXPECT_TRUE(identical(f, before)) << F::name;
-}
 TEST(VarianceAlong, IsPsiPPsi) {
-    check_along<Conventional<double>>();
-    check_along<JosephRankTwo<double>>();
-    check_along<Potter<double>>();
-    check_along<Carlson<double>>();
-    check_along<Ud<double>>();
-    check_along<InverseQr<double>>();
-    check_along<Qr<double>>();
-    check_along<Gentleman<double>>();
-    check_along<Information<double>>();
+    using Forms = TypeList<Conventional<double>, JosephRankTwo<double>, Potter<double>, Carlson<double>, Ud<double>,
+                           InverseQr<double>, Qr<double>, Gentleman<double>, Information<double>>;
+    for_each(Forms{}, []<class F>() {
+        F f({.size = 4, .forgetting = 0.96875, .prior = Prior<double>{.variance = 4}});
+        Seed rows = run_rows(f, 40, Seed{3});
+        Vector<double> x(4);
+        for (int k = 0; k < 5; ++k) {
+            draw(rows, x);
+            double const exact = x.dot(covariance_of(f) * x);
+            EXPECT_NEAR(variance_along(f, Regressor<double>(x)) / exact, 1, 2000 * u) << F::name;
+            EXPECT_NEAR(variance_along(f, Regressor<double>({0.0, 0.0, 1.0, 0.0})) / variance(f, 2), 1, 2000 * u)
+                << F::name;
+        }
+        auto const before = f;
+        (void)variance_along(f, Regressor<double>(x));
+        EXPECT_TRUE(identical(f, before)) << F::name;
+    });
 }
 
 // --- coverage --------------------------------------------------------------------------------------------------------
@@ -69,10 +54,7 @@ Coverage coverage(Make make, unsigned seed) {
         auto f = make();
         using T = typename decltype(f)::scalar;
         T psi[3];
-        for (int k = 0; k < rows_a_run; ++k) {
-            T const y = draw(rows, psi, sigma);
-            f.update(psi, y);
-        }
+        rows = run_rows(f, rows_a_run, rows, sigma);
         auto const held = [](auto const& interval, double x) {
             return double(interval.low) <= x && x <= double(interval.high);
         };
@@ -181,12 +163,7 @@ TEST(Assessed, KnowsWhatItDoesNotKnow) {
     g.update({1.0, 0.0, 0.0}, 1e200);
     EXPECT_EQ(g.noise_variance(), before);
     EXPECT_NEAR(g.share(), 1 / 1.96875, 1e-6);
-    double psi[3];
-    Seed rows{2};
-    for (int k = 0; k < 20; ++k) {
-        double const y = draw(rows, psi, sigma, -1);
-        g.update(psi, y);
-    }
+    run_rows(g, 20, Seed{2}, sigma, -1);
     EXPECT_EQ(g.filter().counts().changes, 1);
     EXPECT_GT(g.share(), 0.7);  // few rows are in its memory
     static_assert(RecursiveLeastSquares<Weighted<Assessed<Guarded<Windowed<Ud<float, 5>>>>>>);
@@ -235,35 +212,23 @@ TEST(Assessed, IsTheSameWithAllWeightsTimesFour) {
     EXPECT_EQ(4 * once.filter().noise_variance(), fourfold.filter().noise_variance());
 }
 TEST(State, OfAnAssessedFilterContinues) {
-    Assessed<Ud<float, 3>> f(Problem<float>{.forgetting = 0.9375f}), g(Problem<float>{.forgetting = 0.5f});
-    run_rows(f, 40, Seed{1});
-    ASSERT_EQ(load(g, state_of(f)), StateFault::none);
-    run_rows(f, 40, Seed{2});
-    run_rows(g, 40, Seed{2});
-    EXPECT_EQ(state_of(f), state_of(g));
-    EXPECT_EQ(f.interval(1).high, g.interval(1).high);
+    using F = Assessed<Ud<float, 3>>;
+    check_state(F(Problem<float>{.forgetting = 0.9375f}), F(Problem<float>{.forgetting = 0.5f}),
+                [](F& f, int rows, Seed seed) { run_rows(f, rows, seed); });
 }
 
 /// A missing output was taken for a residual of 0, which made s2 smaller.
 TEST(Assessed, LearnsNothingOfTheNoiseWhereAnOutputIsMissing) {
-    auto const check = []<class F>(std::type_identity<F>) {
+    for_each(TypeList<Ud<double>, Qr<double, 4>, Guarded<Ud<double>>>{}, []<class F>() {
         Weighted<Assessed<F>> f({.size = 4, .forgetting = 0.96875});
-        Seed rows{5};
-        double psi[4];
-        for (int k = 0; k < 40; ++k) {
-            double const y = draw(rows, psi);
-            f.update(psi, y);
-        }
+        run_rows(f, 40, Seed{5});
         double const s2 = f.filter().noise_variance();
         Index const degrees = f.filter().degrees();
         for (int k = 0; k < 5; ++k) f.missing();
         EXPECT_EQ(f.filter().noise_variance(), s2) << F::name;
         EXPECT_EQ(f.filter().degrees(), degrees) << F::name;
         EXPECT_GT(s2, 0) << F::name;
-    };
-    check(std::type_identity<Ud<double>>{});
-    check(std::type_identity<Qr<double, 4>>{});
-    check(std::type_identity<Guarded<Ud<double>>>{});
+    });
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include <rlslab/adapt/excitation.hpp>
 #include <rlslab/adapt/sample.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -82,12 +81,7 @@ TEST(Sample, SpansPExactly) {
 template <class F>
 F warm(int rows = 40) {
     F f(Problem<double>{.size = d, .forgetting = 0.96875, .prior = Prior<double>{.variance = 4}});
-    Seed seed{3};
-    double psi[d];
-    for (int k = 0; k < rows; ++k) {
-        double const y = draw(seed, psi);
-        f.update(Regressor<double>(psi, d), y);
-    }
+    run_rows(f, rows, Seed{3});
     return f;
 }
 template <class F>
@@ -154,12 +148,7 @@ TEST(Sample, IsNaNWhereThetaOrPIsNone) {
                 EXPECT_TRUE(all_nan(f)) << F::name << k;
                 f.update(Regressor<double>(psi, d), 1);
             }
-            Seed seed{3};
-            double row[d];
-            for (int k = 0; k < 9; ++k) {
-                double const y = draw(seed, row);
-                f.update(Regressor<double>(row, d), y);
-            }
+            run_rows(f, 9, Seed{3});
             EXPECT_FALSE(all_nan(f)) << F::name;
         }
         if constexpr (has_a_root<F>) {

@@ -3,15 +3,16 @@
 
 #include <rlslab/adapt/extended_least_squares.hpp>
 
-#include "tests/adapt/coloured.hpp"
+#include "tests/adapt/adapt.hpp"
 
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/variants/variants.hpp>
 
 namespace rlslab {
 namespace {
 
 using namespace adapt_laws;
+
+constexpr double lambda = 0.96875;
 
 /// F, and the residuals kept by hand.
 template <class F>

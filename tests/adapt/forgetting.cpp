@@ -4,14 +4,6 @@
 
 #include "tests/adapt/adapt.hpp"
 
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/information.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/kalman.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -258,17 +250,14 @@ void check_without_prior(Rule const& rule, char const* what) {
     EXPECT_LT((Vector<double>(f.theta()) - Vector<double>{{1, -2, 3}}).norm(), 1e-3) << F::name << what;
 }
 TEST(Rules, WaitUntilTheRowsDetermineTheta) {
-    auto const check = []<class F>(F const*) {
+    for_each(TypeList<Qr<double, 3>, Information<double, 3>, Gentleman<double, 3>>{}, []<class F>() {
         check_without_prior<F>(RotatingRidge<double>{}, " ridge ");
         check_without_prior<F>(CovarianceReset<double>{.period = 1}, " reset at each row ");
         check_without_prior<F>(CovarianceReset<double>{.period = 2}, " reset ");
         check_without_prior<F>(Kulhavy<double>{}, " kulhavy ");
         check_without_prior<F>(CaoSchwartz<double>{}, " cao ");
         check_without_prior<F>(RandomWalk<double>{.variance = 1e-6}, " walk ");
-    };
-    check(static_cast<Qr<double, 3>*>(nullptr));
-    check(static_cast<Information<double, 3>*>(nullptr));
-    check(static_cast<Gentleman<double, 3>*>(nullptr));
+    });
 }
 
 template <class F>

@@ -6,15 +6,6 @@
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/information.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/joseph_rank_two.hpp>
-#include <rlslab/variants/potter.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
 
 #include <gtest/gtest.h>
 
@@ -191,15 +182,9 @@ void check_threshold() {
     }
 }
 TEST(Guarded, TestsTheInnovationAgainstItsOwnVariance) {
-    check_threshold<Conventional<double, 4>>();
-    check_threshold<Symmetric<double, 4>>();
-    check_threshold<Potter<double, 4>>();
-    check_threshold<Ud<double, 4>>();
-    check_threshold<Ud<float, 4>>();
-    check_threshold<InverseQr<double, 4>>();
-    check_threshold<Information<double, 4>>();
-    check_threshold<Qr<double, 4>>();
-    check_threshold<Gentleman<double, 4>>();
+    for_each(TypeList<Conventional<double, 4>, Symmetric<double, 4>, Potter<double, 4>, Ud<double, 4>, Ud<float, 4>,
+                      InverseQr<double, 4>, Information<double, 4>, Qr<double, 4>, Gentleman<double, 4>>{},
+             []<class F>() { check_threshold<F>(); });
 }
 /// Exact data, whose innovations are rounding alone: rows of another size are no outliers.
 TEST(Guarded, AllowsForRoundingWhereThereIsNoNoise) {

@@ -5,13 +5,6 @@
 #include "tests/adapt/adapt.hpp"
 
 #include <rlslab/arithmetic/pack.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/information.hpp>
-#include <rlslab/variants/joseph.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
 
 #include <gtest/gtest.h>
 
@@ -84,6 +77,7 @@ TEST(Remedies, AreNotCalledForWhereNothingBroke) {
 
 /// Without a prior, and 100 rows in which columns depend but for rounding: theta was 1e14 there, "sound", and the first
 /// change brought it back.
+using Roots = TypeList<Qr<double>, Gentleman<double>, Information<double>>;
 struct Start {
     char const* what;
     std::function<void(Seed&, double (&)[3])> row;
@@ -107,20 +101,16 @@ void check_start(G guarded, Start const& start) {
     EXPECT_EQ(guarded.counts().changes + guarded.counts().breakdowns, 0) << G::name << ' ' << start.what;
 }
 TEST(Remedies, TakeNoThetaThatRoundingMade) {
-    auto const check = []<class F>(std::type_identity<F>, Start const& start) {
-        for (double const forgetting : {1.0, 0.99}) {
-            Problem<double> const problem{.size = 3, .forgetting = forgetting, .prior = std::nullopt};
-            check_start(Guarded<F, resetting>(problem), start);
-            check_start(Guarded<F, rebuilding>(problem), start);
-            Windowed<F> const window(problem, {.rows = 60});
-            check_start(Guarded<Windowed<F>, resetting>(window, problem), start);
-        }
-    };
-    for (Start const& start : starts) {
-        check(std::type_identity<Qr<double>>{}, start);
-        check(std::type_identity<Gentleman<double>>{}, start);
-        check(std::type_identity<Information<double>>{}, start);
-    }
+    for_each(Roots{}, []<class F>() {
+        for (Start const& start : starts)
+            for (double const forgetting : {1.0, 0.99}) {
+                Problem<double> const problem{.size = 3, .forgetting = forgetting, .prior = std::nullopt};
+                check_start(Guarded<F, resetting>(problem), start);
+                check_start(Guarded<F, rebuilding>(problem), start);
+                Windowed<F> const window(problem, {.rows = 60});
+                check_start(Guarded<Windowed<F>, resetting>(window, problem), start);
+            }
+    });
 }
 
 /// Without a prior nothing has the units of theta: other units of each column, by powers of two, change no signal and
@@ -182,26 +172,23 @@ TEST(Remedies, HaveNoUnitsWithoutAPrior) {
 }
 /// One row again and again until the other directions are forgotten, or silence: no theta of rounding is held after.
 TEST(Remedies, HoldNoThetaThatWasForgotten) {
-    auto const check = []<class F>(std::type_identity<F>, double alike) {
-        Guarded<F> guarded({.size = 3, .forgetting = 0.98, .prior = std::nullopt});
-        Seed seed{101};
-        double psi[3];
-        for (int k = 0; k < 40000; ++k) {
-            double y = row_of(seed, k, psi);
-            if (1000 <= k && k < 39700) {
-                y = alike * seed.bell();
-                for (int i = 0; i < 3; ++i) psi[i] = alike * (i + 1), y += psi[i] * after[i];
+    for_each(Roots{}, []<class F>() {
+        for (double const alike : {0.0, 0.7}) {
+            Guarded<F> guarded({.size = 3, .forgetting = 0.98, .prior = std::nullopt});
+            Seed seed{101};
+            double psi[3];
+            for (int k = 0; k < 40000; ++k) {
+                double y = row_of(seed, k, psi);
+                if (1000 <= k && k < 39700) {
+                    y = alike * seed.bell();
+                    for (int i = 0; i < 3; ++i) psi[i] = alike * (i + 1), y += psi[i] * after[i];
+                }
+                guarded.update(psi, y);
             }
-            guarded.update(psi, y);
+            for (Index i = 0; i < 3; ++i)
+                EXPECT_NEAR(guarded.theta()[i], after[i], 0.5 * std::sqrt(variance(guarded, i))) << F::name << alike;
         }
-        for (Index i = 0; i < 3; ++i)
-            EXPECT_NEAR(guarded.theta()[i], after[i], 0.5 * std::sqrt(variance(guarded, i))) << F::name << alike;
-    };
-    for (double const alike : {0.0, 0.7}) {
-        check(std::type_identity<Qr<double>>{}, alike);
-        check(std::type_identity<Gentleman<double>>{}, alike);
-        check(std::type_identity<Information<double>>{}, alike);
-    }
+    });
 }
 /// In packs, too: each lane has the bits of the scalar guard on the rows of its units.
 template <template <class, int> class V>

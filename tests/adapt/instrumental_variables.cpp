@@ -2,17 +2,18 @@
 // least squares misses.
 #include <rlslab/arithmetic/multiprecision.hpp>
 
-#include "tests/adapt/coloured.hpp"
+#include "tests/adapt/adapt.hpp"
 
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
-#include <rlslab/variants/variants.hpp>
 
 namespace rlslab {
 namespace {
 
 using namespace adapt_laws;
 using Q = Rational;
+
+constexpr double lambda = 0.96875;
 
 template <class T>
 struct Row {

@@ -7,8 +7,6 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/arithmetic/pair.hpp>
-#include <rlslab/state/state.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 // An update in two steps: looking changes no bit, and looking and committing are the update.
 #include <rlslab/adapt/look.hpp>
-#include <rlslab/adapt/window.hpp>
 
 #include "tests/adapt/adapt.hpp"
 #include "tests/common/twins.hpp"
@@ -8,22 +7,6 @@
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/state/state.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/carlson_delta.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/conventional_two_sided.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/information.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/inverse_qr_delta.hpp>
-#include <rlslab/variants/joseph.hpp>
-#include <rlslab/variants/joseph_rank_two.hpp>
-#include <rlslab/variants/potter.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,6 @@
 #include "tests/common/same.hpp"
 
 #include <rlslab/adapt/outputs.hpp>
-#include <rlslab/state/state.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -41,18 +39,19 @@ void block(F& f, Matrix<double> const& X, Vector<double> const& y) {
 
 // --- m filters -------------------------------------------------------------------------------------------------------
 
-/// Without a prior, rows of zeros and zeros in rows among them. A saboteur has one y otherwise.
-template <class F>
+/// Without a prior, rows of zeros, zeros in rows and a gain among them. A saboteur has one y otherwise.
+template <class F, class Shared = MultiOutput<F>, Index m = 4>
 int differs(Index d, bool prior, bool off = false) {
     Problem<double> const problem = problem_of(d, prior);
-    std::vector<F> own(4, F(problem));
-    MultiOutput<F> shared(problem, 4);
+    std::vector<F> own(m, F(problem));
+    Shared shared(problem, m);
     Seed seed{8};
     int bad = 0;
     for (int k = 0; k < 60; ++k) {
-        Vector<double> psi = drawn(seed, d, 1), y = drawn(seed, 4, 1);
+        Vector<double> psi = drawn(seed, d, 1), y = drawn(seed, m, 1);
         if (k % 7 == 3) psi[k % d] = 0;
         if (k % 11 == 5) psi.setZero();
+        if (k == 30) psi = own[0].gain();
         auto const steps = shared.update(psi, Vector<double>(y));
         Matrix<double> const theta = shared.theta();
         if (off && k == 30) y[2] *= 1 + 0x1p-40;
@@ -104,9 +103,14 @@ TEST(Outputs, AreFiltersOfTheirOwnBitForBit) {
                         EXPECT_EQ(bad, 0) << F::name << d << ", " << k;
                     }
                 }
+            for (Index d : {1, 3, 9}) {
+                EXPECT_EQ((differs<F, MultiOutput<F, 1>, 1>(d, true)), 0) << F::name << d;
+                EXPECT_EQ((differs<F, MultiOutput<F, 2>, 2>(d, true)), 0) << F::name << d;
+            }
             EXPECT_GT(differs<F>(3, true, true), 0) << F::name;
         }
     });
+    EXPECT_EQ((differs<Ud<double, 3>, MultiOutput<Ud<double, 3>, 4>>(3, true)), 0);
     EXPECT_EQ(rows, 16);
     EXPECT_EQ(blocks, 2);
     EXPECT_GT(differs_in_blocks<QrBlock<double>>(9, true, 5, true), 0);

@@ -2,13 +2,10 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 
 #include "tests/adapt/adapt.hpp"
-#include "tests/common/same.hpp"
 
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
-#include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -215,68 +212,6 @@ TEST(Weighted, TellsAGuardWhichRowsAreNoisy) {
 
 // --- several outputs -------------------------------------------------------------------------------------------------
 
-/// One gain, but that of the row before.
-template <class F>
-struct GainOfBefore {
-    F filter;
-    std::vector<Vector<double>> thetas;
-    std::vector<Step<double>> steps;
-    explicit GainOfBefore(Problem<double> const& p, Index outputs)
-        : filter(p), thetas(size_t(outputs), Vector<double>::Zero(p.size)), steps(size_t(outputs)) {}
-    std::vector<Step<double>> const& update(Vector<double> const& psi, std::vector<double> const& y) {
-        Vector<double> const K = filter.gain();
-        Step<double> const step = filter.update(psi, y[0]);
-        for (size_t j = 0; j < y.size(); ++j) {
-            double const e = y[j] - psi.dot(thetas[j]);
-            thetas[j] += K * e;
-            steps[j] = {e, step.gamma * e, step.gamma};
-        }
-        return steps;
-    }
-    Matrix<double> theta() const {
-        Matrix<double> out(thetas[0].size(), Index(thetas.size()));
-        for (size_t j = 0; j < thetas.size(); ++j) out.col(Index(j)) = thetas[j];
-        return out;
-    }
-};
-/// m filters of their own, and the type that shares P.
-template <class F, class Shared>
-bool is_m_filters(Shared shared, Index m, Index d) {
-    std::vector<F> own(size_t(m), F(Problem<double>{.size = d, .forgetting = lambda}));
-    Seed seed{8};
-    for (int k = 0; k < 60; ++k) {
-        Vector<double> psi(d);
-        std::vector<double> y(static_cast<size_t>(m));
-        for (double& x : psi) x = seed.bell();
-        for (double& x : y) x = seed.bell();
-        if (k == 30) psi = own[0].gain();
-        auto const& steps = shared.update(psi, y);
-        auto const theta = shared.theta();
-        for (size_t j = 0; j < y.size(); ++j) {
-            if (!same(own[j].update(psi, y[j]), steps[j])) return false;
-            if (Vector<double>(own[j].theta()) != Vector<double>(theta.col(Index(j)))) return false;
-        }
-    }
-    return true;
-}
-TEST(MultiOutput, IsAFilterForEachBitForBit) {
-    int forms = 0;
-    for_each(Variants<double>{}, [&forms]<class F>() {
-        if constexpr (requires { typename MultiOutput<F>; }) {
-            ++forms;
-            for (Index d : {1, 3, 9}) {
-                Problem<double> const problem{.size = d, .forgetting = lambda};
-                EXPECT_TRUE(is_m_filters<F>(MultiOutput<F>(problem, 4), 4, d)) << F::name << d;
-                EXPECT_TRUE(is_m_filters<F>(MultiOutput<F, 2>(problem), 2, d)) << F::name << d;
-                EXPECT_TRUE(is_m_filters<F>(MultiOutput<F, 1>(problem), 1, d)) << F::name << d;
-                EXPECT_FALSE(is_m_filters<F>(GainOfBefore<F>(problem, 4), 4, d)) << F::name << d;
-            }
-        }
-    });
-    EXPECT_GE(forms, 7);
-    EXPECT_TRUE((is_m_filters<Ud<double, 3>>(MultiOutput<Ud<double, 3>, 4>({.forgetting = lambda}), 4, 3)));
-}
-
 template <class F>
 using Two = MultiOutput<F, 2>;
 TEST(MultiOutput, DropsARowOrLetsOneThetaStand) {
@@ -331,25 +266,9 @@ TEST(MultiOutput, RefusesWhatMakesNoSense) {
 
 // --- states ----------------------------------------------------------------------------------------------------------
 
-template <class F, class Give>
-void check_state(Give give) {
-    F f = made<F>(64, 0.9375), g = made<F>(4, 0.5);
-    give(f, 40, 1u);
-    auto const bytes = state_of(f);
-    ASSERT_EQ(load(g, std::span<std::byte const>(bytes)), StateFault::none);
-    give(f, 60, 2u);
-    give(g, 60, 2u);
-    EXPECT_EQ(state_of(f), state_of(g));
-    for (size_t i = 0; i < 8 * bytes.size(); ++i) {
-        auto wrong = bytes;
-        wrong[i / 8] ^= std::byte(1 << i % 8);
-        EXPECT_NE(load(g, std::span<std::byte const>(wrong)), StateFault::none) << i;
-    }
-    EXPECT_EQ(state_of(f), state_of(g));
-}
 TEST(State, OfWeightsAndOutputsContinuesBitForBit) {
-    check_state<Weighted<Ud<float, 3>>>([](auto& f, int rows, unsigned from) {
-        Seed seed{from};
+    using W = Weighted<Ud<float, 3>>;
+    check_state(made<W>(64, 0.9375), made<W>(4, 0.5), [](W& f, int rows, Seed seed) {
         float psi[3];
         for (int k = 0; k < rows; ++k) {
             float const y = draw(seed, psi);
@@ -357,8 +276,8 @@ TEST(State, OfWeightsAndOutputsContinuesBitForBit) {
             else f.update(psi, y, float(1 + k % 3));
         }
     });
-    check_state<MultiOutput<Ud<float, 3>, 2>>([](auto& f, int rows, unsigned from) {
-        Seed seed{from};
+    using M = MultiOutput<Ud<float, 3>, 2>;
+    check_state(made<M>(64, 0.9375), made<M>(4, 0.5), [](M& f, int rows, Seed seed) {
         float psi[3];
         for (int k = 0; k < rows; ++k) {
             float const y = draw(seed, psi);

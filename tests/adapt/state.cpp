@@ -9,9 +9,6 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
 
 #include <gtest/gtest.h>
 
@@ -22,14 +19,7 @@ namespace {
 
 using namespace adapt_laws;
 
-using Bytes = std::vector<std::byte>;
-
-template <class F>
-Bytes bytes_of(F const& f) {
-    Bytes out(state_size(f));
-    save(f, out);
-    return out;
-}
+using states::Bytes, states::bytes_of, states::sealed;
 
 /// What comes around a filter, made with its options and any problem.
 template <class F>
@@ -169,11 +159,7 @@ bool is_missed() {
     for (int before : {20, 250}) {
         F const f = after(Made<F>::saved(), before, Seed{11});
         F g = Made<F>::other();
-        auto to = F::state(g);
-        auto const from = F::state(f);
-        [&]<size_t... j>(std::index_sequence<j...>) {
-            ((j == i ? void() : void(std::get<j>(to) = std::get<j>(from))), ...);
-        }(std::make_index_sequence<std::tuple_size_v<decltype(to)>>());
+        states::take_all_but<i>(g, f);
         if (!twins::parted(from_here(f), from_here(g)).empty()) return true;
     }
     return false;
@@ -191,30 +177,13 @@ TEST(StateSaboteur, AListThatForgetsAMemberOfWhatIsAroundIsCaught) {
     check_missed<Forgetting<Ud<double, 3>, RotatingRidge<double>>, 0, 1, 2, 3>("ridge");
 }
 
-/// Each bit flipped, each length, each byte gone or twice.
 template <class F>
 int accepted() {
     F const f = after(Made<F>::saved(), 60, Seed{3});
-    Bytes const whole = bytes_of(f);
     F g = Made<F>::other();
     Bytes const before = bytes_of(g);
     int out = 0;
-    auto const offer = [&](Bytes const& bytes) {
-        if (bytes != whole) out += load(g, bytes) == StateFault::none;
-    };
-    for (size_t i = 0; i < 8 * whole.size(); ++i) {
-        Bytes bytes = whole;
-        bytes[i / 8] ^= std::byte(1 << i % 8);
-        offer(bytes);
-    }
-    for (size_t n = 0; n < whole.size(); ++n) {
-        Bytes less = whole, more = whole;
-        less.erase(less.begin() + std::ptrdiff_t(n));
-        more.insert(more.begin() + std::ptrdiff_t(n), whole[n]);
-        offer(less);
-        offer(more);
-        offer(Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(n)));
-    }
+    states::each_damaged(bytes_of(f), [&](Bytes const& bytes) { out += load(g, bytes) == StateFault::none; });
     return out + (bytes_of(g) != before);
 }
 TEST(State, OfWhatIsAroundIsRefusedWhereDamaged) {
@@ -225,10 +194,7 @@ TEST(State, OfWhatIsAroundIsRefusedWhereDamaged) {
 /// With another number at a place, and the checksum made right.
 Bytes forged(Bytes bytes, size_t at, std::uint64_t number) {
     detail::write_low(number, 8, &bytes[at]);
-    Checksum sum;
-    sum.add(std::span(bytes).first(bytes.size() - StateHeader::checksum));
-    detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
-    return bytes;
+    return sealed(bytes);
 }
 /// A forged checksum does not make a program reach outside its memory: places in a ring and counts of what is kept have
 /// an end.

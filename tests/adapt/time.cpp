@@ -3,7 +3,6 @@
 
 #include <rlslab/adapt/remove.hpp>
 #include <rlslab/adapt/forgetting.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -15,17 +14,11 @@ using namespace adapt_laws;
 constexpr double u = 0x1p-53;
 
 /// The forms, one filter of each; symmetric and conventional share one.
-template <class Law>
-void for_each_form(Law law) {
-    law.template operator()<Conventional<double, 4>>();
-    law.template operator()<JosephRankTwo<double, 4>>();
-    law.template operator()<Potter<double, 4>>();
-    law.template operator()<Carlson<double, 4>>();
-    law.template operator()<Ud<double, 4>>();
-    law.template operator()<InverseQr<double, 4>>();
-    law.template operator()<Qr<double, 4>>();
-    law.template operator()<Gentleman<double, 4>>();
-    law.template operator()<Information<double, 4>>();
+void for_each_form(auto law) {
+    for_each(
+        TypeList<Conventional<double, 4>, JosephRankTwo<double, 4>, Potter<double, 4>, Carlson<double, 4>,
+                 Ud<double, 4>, InverseQr<double, 4>, Qr<double, 4>, Gentleman<double, 4>, Information<double, 4>>{},
+        law);
 }
 template <class F>
 F warm(double lambda = 0.96875) {
@@ -241,15 +234,9 @@ void check_sizes() {
         }
 }
 TEST(Remove, TakesBackARowOfAnySize) {
-    check_sizes<Conventional<double>>();
-    check_sizes<Symmetric<double>>();
-    check_sizes<Potter<double>>();
-    check_sizes<Carlson<double>>();
-    check_sizes<Ud<double>>();
-    check_sizes<InverseQr<double>>();
-    check_sizes<Qr<double>>();
-    check_sizes<Gentleman<double>>();
-    check_sizes<Information<double>>();
+    for_each(TypeList<Conventional<double>, Symmetric<double>, Potter<double>, Carlson<double>, Ud<double>,
+                      InverseQr<double>, Qr<double>, Gentleman<double>, Information<double>>{},
+             []<class F>() { check_sizes<F>(); });
 }
 /// 1/w overflows here, while nothing in the formulas of the inflation does.
 TEST(Remove, OfARowTooLightToBeSeenChangesNothing) {

@@ -4,7 +4,6 @@
 #include "tests/adapt/adapt.hpp"
 
 #include <rlslab/reference/certified.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -192,14 +191,9 @@ void check_theta_after_a_large_y() {
         }
 }
 TEST(Windowed, LosesNoDigitOfThetaToALargeOutputThatHasLeft) {
-    check_theta_after_a_large_y<Conventional<double, d>>();
-    check_theta_after_a_large_y<Symmetric<double, d>>();
-    check_theta_after_a_large_y<Potter<double, d>>();
-    check_theta_after_a_large_y<Carlson<double, d>>();
-    check_theta_after_a_large_y<Ud<double, d>>();
-    check_theta_after_a_large_y<InverseQr<double, d>>();
-    check_theta_after_a_large_y<Qr<double, d>>();
-    check_theta_after_a_large_y<Gentleman<double, d>>();
+    for_each(TypeList<Conventional<double, d>, Symmetric<double, d>, Potter<double, d>, Carlson<double, d>,
+                      Ud<double, d>, InverseQr<double, d>, Qr<double, d>, Gentleman<double, d>>{},
+             []<class F>() { check_theta_after_a_large_y<F>(); });
 }
 TEST(Windowed, StartsFromNothingAndForgetsInside) {
     for (unsigned seed : {81, 82, 83})

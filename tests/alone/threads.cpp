@@ -1,12 +1,11 @@
 // What threads may share (core/concept.hpp), tried. `./lab threads` runs this under the thread sanitizer.
 #include "tests/common/laws.hpp"
+#include "tests/common/states.hpp"
 
 #include <rlslab/many/fleet.hpp>
 #include <rlslab/many/fold_all.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/state/state.hpp>
 #include <rlslab/arithmetic/arithmetics.hpp>
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -34,12 +33,7 @@ void process_rows(F& f, Records const& records) {
         f.update(psi, T(records.y[k]));
     }
 }
-template <class F>
-std::vector<std::byte> bytes_of(F const& f) {
-    std::vector<std::byte> out(state_size(f));
-    save(f, out);
-    return out;
-}
+using states::bytes_of;
 /// work(0) ... work(threads - 1) at the same time.
 template <class Work>
 void at_once(Work work) {

@@ -100,6 +100,10 @@ public:
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
 
+template <ComplexScalar T>
+using BrokenFilters = TypeList<Plain<T, Broken::innovation>, Plain<T, Broken::innovation_variance>,
+                               Plain<T, Broken::covariance>, Plain<T, Broken::gain>>;
+
 /// The variant over the real numbers.
 template <template <Scalar, int> class F, Scalar T, int N>
 std::type_identity<F<RealOf<T>, Dynamic>> real_twin(std::type_identity<F<T, N>>, int);

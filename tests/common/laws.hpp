@@ -4,8 +4,8 @@
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
 namespace rlslab::laws {
@@ -22,6 +22,13 @@ bool identical(A const& a, B const& b) {
 }
 inline bool identical(Stored<Reference> const& a, Stored<Reference> const& b) {
     return identical(a.F, b.F) && identical(a.D, b.D);
+}
+
+/// As a part of a test's name.
+inline std::string title(CatalogueEntry const& entry) {
+    std::string name = std::string(entry.variant) + "_" + std::string(entry.arithmetic->name);
+    std::ranges::replace(name, '-', '_');
+    return name;
 }
 
 /// Rows of bell-shaped noise in psi, and y = psi' (1, -2, 3, ...) + noise; exact in binary64, rounded by who takes
@@ -184,35 +191,11 @@ inline double gain_error(CatalogueEntry const& entry) {
         f->update(records.sample(k), records.y[k]);
         if (k < 8) continue;  // the large prior is gone by then
         Stored<Reference> const stored = f->stored();
-        Vector<Reference> psi = records.psi.col(k).cast<Reference>(), difference(3), K = f->gain();
-        if (stored.quantity == Stored<Reference>::Quantity::covariance) {
-            Vector<Reference> x = psi;
-            if (stored.form == Stored<Reference>::Form::factor) {
-                for (Index i = 0; i < 3; ++i) {
-                    x[i] = 0;
-                    for (Index j = 0; j < 3; ++j) x[i] += stored.F(j, i) * psi[j];
-                    if (stored.D.size() > 0) x[i] *= stored.D[i];
-                }
-            }
-            for (Index i = 0; i < 3; ++i) {
-                difference[i] = K[i];
-                for (Index j = 0; j < 3; ++j) difference[i] -= stored.F(i, j) * x[j];
-            }
-        } else {  // P^-1 K - psi, over |psi|
-            Vector<Reference> x = K;
-            if (stored.form == Stored<Reference>::Form::factor)
-                for (Index i = 0; i < 3; ++i) {
-                    x[i] = 0;
-                    for (Index j = 0; j < 3; ++j) x[i] += stored.F(j, i) * K[j];
-                    if (stored.D.size() > 0) x[i] *= stored.D[i];
-                }
-            for (Index i = 0; i < 3; ++i) {
-                difference[i] = -psi[i];
-                for (Index j = 0; j < 3; ++j) difference[i] += stored.F(i, j) * x[j];
-            }
-            K = psi;
-        }
-        worst = std::max(worst, norm(difference) / norm(K) / (2 * entry.arithmetic->unit_roundoff()));
+        Vector<Reference> const psi = records.psi.col(k).cast<Reference>(), K = f->gain();
+        bool const of_P = stored.quantity == Stored<Reference>::Quantity::covariance;  // else P^-1 K - psi, over |psi|
+        Vector<Reference> const &from = of_P ? psi : K, &to = of_P ? K : psi;
+        double const off = norm(Vector<Reference>(multiplied_out(stored).lazyProduct(from) - to));
+        worst = std::max(worst, off / norm(to) / (2 * entry.arithmetic->unit_roundoff()));
     }
     return worst;
 }

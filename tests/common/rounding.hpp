@@ -2,6 +2,8 @@
 // the library is asked.
 #pragma once
 
+#include "tests/common/same.hpp"
+
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/arithmetic/rounded.hpp>
 
@@ -13,10 +15,7 @@ namespace rlslab::rounding {
 inline constexpr double infinity = std::numeric_limits<double>::infinity(),
                         nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The same number, with the same sign of zero; NaN is NaN.
-inline bool same(double a, double b) {
-    return (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
-}
+using rlslab::same;
 
 /// The numbers >= 0 of a format have places 0, 1, 2...; odd ones hold odd significands; the last is the first power of
 /// two that the format lacks.

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -29,35 +28,21 @@ std::vector<double> Left::of(std::string_view name) const {
     return {};
 }
 
-namespace {
-struct Place {
-    std::string name, values;
-};
-std::string at(Place const& place, std::string const& where) {
-    return place.name.empty() ? "" : place.name + where + ": " + place.values;
+std::string parted(Left const& a, Left const& b, std::string const& at) {
+    auto const &x = a.numbers_, &y = b.numbers_;
+    long const first = difference(x, y);
+    if (first < 0) return "";
+    std::size_t const i = std::size_t(first);
+    if (i == std::min(x.size(), y.size())) return fmt::format("all{}: {} and {} numbers", at, x.size(), y.size());
+    auto part = a.parts_.begin();
+    while (part + 1 != a.parts_.end() && (part + 1)->second <= i) ++part;
+    return fmt::format("{}[{}]{}: {:a} and {:a}", part->first, i - part->second, at, x[i], y[i]);
 }
-Place first_parting(std::vector<std::pair<std::string_view, std::size_t>> const& parts, std::vector<double> const& a,
-                    std::vector<double> const& b) {
-    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-        if (!same(a[i], b[i])) {
-            auto part = parts.begin();
-            while (part + 1 != parts.end() && (part + 1)->second <= i) ++part;
-            return {fmt::format("{}[{}]", part->first, i - part->second), fmt::format("{:a} and {:a}", a[i], b[i])};
-        }
-    if (a.size() == b.size()) return {};
-    return {"all", fmt::format("{} and {} numbers", a.size(), b.size())};
-}
-}  // namespace
-
-std::string parted(Left const& a, Left const& b) { return at(first_parting(a.parts_, a.numbers_, b.numbers_), ""); }
 std::string parted(Trace const& a, Trace const& b) {
     if (a.size() != b.size()) return fmt::format("{} and {} rows", a.size(), b.size());
     for (std::size_t k = 0; k < a.size(); ++k)
-        if (std::string const where = parted(a[k], b[k]); !where.empty()) {
-            std::size_t const colon = where.find(':');
-            return where.substr(0, colon) + fmt::format(" at row {}", k) + where.substr(colon);
-        }
-    return {};
+        if (!parted(a[k], b[k]).empty()) return parted(a[k], b[k], fmt::format(" at row {}", k));
+    return "";
 }
 void expect_one(std::string_view what, Left const& a, Left const& b) { EXPECT_EQ(parted(a, b), "") << what; }
 void expect_one(std::string_view what, Trace const& a, Trace const& b) { EXPECT_EQ(parted(a, b), "") << what; }

@@ -44,10 +44,10 @@ public:
         }
     }
     std::vector<double> of(std::string_view name) const;
-    friend std::string parted(Left const& a, Left const& b);
+    friend std::string parted(Left const& a, Left const& b, std::string const& at);
 };
-/// "" or "gain[2]: 0x1.8p+1 and 0x1.9p+1".
-std::string parted(Left const& a, Left const& b);
+/// "" or "gain[2]: 0x1.8p+1 and 0x1.9p+1"; `at` stands before the colon.
+std::string parted(Left const& a, Left const& b, std::string const& at = "");
 
 /// One for each row.
 using Trace = std::vector<Left>;

@@ -107,13 +107,9 @@ TYPED_TEST(Blocks, CarryTheRecursionOfASquare) {
     on_each_isa([] {
         for (Index d : {1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 23, 24, 25, 31, 32, 33, 64, 65, 127, 129})
             check_recursion<T, Dynamic>(d);
-        check_recursion<T, 2>(2);
-        check_recursion<T, 3>(3);
-        check_recursion<T, 4>(4);
-        check_recursion<T, 5>(5);
-        check_recursion<T, 8>(8);
-        check_recursion<T, 9>(9);
-        check_recursion<T, 17>(17);
+        [&]<int... N>(std::integer_sequence<int, N...>) {
+            (check_recursion<T, N>(N), ...);
+        }(std::integer_sequence<int, 2, 3, 4, 5, 8, 9, 17>{});
     });
 }
 

@@ -1,15 +1,10 @@
 // Each dense kernel leaves the same bits with the registers of every instruction set that this machine has as in the
 // text for single rows, at every size up to 130 and for special values, whichever of them dispatch.hpp would choose.
-#include "tests/common/each_isa.hpp"
-#include "tests/common/same.hpp"
+#include "tests/linalg/known_rows.hpp"
 
-#include <rlslab/core/random.hpp>
 #include <rlslab/linalg/kernels.hpp>
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace rlslab {
 namespace {
@@ -97,16 +92,18 @@ bool run_small(Kernel const& kernel, std::integer_sequence<int, N...>) {
 /// times an infinity are NaN, which single rows never compute. (The filter is broken down then, and says so.)
 template <class T, class Make>
 void check_one(char const* name, Operands<T> const& operands, Kind kind, Make make) {
-    auto const narrow = after(operands, make, [](auto const& k) {
-        using K = std::remove_cvref_t<decltype(k)>;
-        portable::run_outlined<portable::InRegisters<K, T, 16>>(k);
-    });
+    std::vector<T> narrow;
     auto const same = [&](char const* set, std::vector<T> const& other) {
         long const at = difference(narrow, other);
         EXPECT_EQ(at, -1) << name << " on " << set << ", " << operands.d
                           << " parameters: " << narrow[size_t(std::max(at, 0L))] << " and "
                           << other[size_t(std::max(at, 0L))];
     };
+    known_rows::on_each_set<T>([&](char const* set, auto evaluate) {
+        auto const found = after(operands, make, evaluate);
+        if (narrow.empty()) narrow = found;
+        else same(set, found);
+    });
     using Kernel = decltype(make(std::declval<Operands<T>&>()));
     if constexpr (requires(Kernel k) { portable::evaluate<portable::Any<Kernel, T>>(k); })
         if (kind != Kind::special)
@@ -117,19 +114,6 @@ void check_one(char const* name, Operands<T> const& operands, Kind kind, Make ma
             same("the text for fixed sizes", after(operands, make, [](auto const& k) {
                      EXPECT_TRUE(run_small<T>(k, std::make_integer_sequence<int, small_up_to>()));
                  }));
-#ifdef __x86_64__
-    if (best_isa() >= Isa::avx2)
-        same("AVX2", after(operands, make, [](auto const& k) {
-                 using K = std::remove_cvref_t<decltype(k)>;
-                 avx2::run_outlined<avx2::InRegisters<K, T, 32>>(k);
-             }));
-    if constexpr (sizeof(T) == 8)
-        if (best_isa() >= Isa::avx512)
-            same("AVX-512", after(operands, make, [](auto const& k) {
-                     using K = std::remove_cvref_t<decltype(k)>;
-                     avx512::run_outlined<avx512::InRegisters<K, T, 64>>(k);
-                 }));
-#endif
 }
 
 /// make(operands) where a sweep goes through its matrix the other way: each remainder of a group of columns, and of a

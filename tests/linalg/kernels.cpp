@@ -12,15 +12,6 @@
 namespace rlslab {
 namespace {
 
-template <class T>
-T value(T const& x) {
-    return x;
-}
-template <class T>
-T value(Counted<T> const& x) {
-    return x.value();
-}
-
 /// Every number that a filter reports on its way and at its end, over rows of noise with zeros of both signs among
 /// them; from `exponents` > 0 on with an eighth of the numbers scaled by up to 2^exponents either way.
 template <class F, class T>
@@ -30,7 +21,7 @@ std::vector<T> trace(Index d, Index steps, int exponents = 0) {
     std::vector<T> out;
     auto const note = [&out](auto const& numbers) {
         for (Index j = 0; j < numbers.cols(); ++j)
-            for (Index i = 0; i < numbers.rows(); ++i) out.push_back(value(numbers(i, j)));
+            for (Index i = 0; i < numbers.rows(); ++i) out.push_back(T(double(numbers(i, j))));
     };
     Seed seed{std::uint64_t(d)};
     std::vector<S> psi(size_t(d), S(0));
@@ -43,7 +34,7 @@ std::vector<T> trace(Index d, Index steps, int exponents = 0) {
         }
         Step<S> const step = filter.update(psi, S(seed.bell()));
         out.insert(out.end(),
-                   {value(step.innovation), value(step.residual), value(step.gamma), T(double(int(step.health)))});
+                   {T(double(step.innovation)), T(double(step.residual)), T(double(step.gamma)), T(int(step.health))});
     }
     note(Vector<S>(filter.theta()));
     note(Vector<S>(filter.gain()));
@@ -52,26 +43,13 @@ std::vector<T> trace(Index d, Index steps, int exponents = 0) {
     return out;
 }
 
-/// The same on the kernels of one instruction set.
-template <class F, class T>
-std::vector<T> trace_on(Isa isa, Index d, Index steps) {
-    Isa const before = kernels::isa;
-    kernels::isa = isa;
-    std::vector<T> out = trace<F, T>(d, steps);
-    kernels::isa = before;
-    return out;
-}
-
 template <class T, template <class, int> class F>
 void check(Index d, Index steps) {
-    auto const on_baseline = trace_on<F<T, Dynamic>, T>(Isa::baseline, d, steps);
-    EXPECT_EQ(difference(on_baseline, trace<F<Counted<T>, Dynamic>, T>(d, steps)), -1)
-        << F<T, Dynamic>::name << ' ' << d;
-    for (Isa isa : {Isa::avx2, Isa::avx512}) {
-        if (isa > kernels::best_isa()) break;
-        EXPECT_EQ(difference(on_baseline, trace_on<F<T, Dynamic>, T>(isa, d, steps)), -1)
-            << F<T, Dynamic>::name << ' ' << d;
-    }
+    auto const plain = trace<F<Counted<T>, Dynamic>, T>(d, steps);
+    on_each_isa([&] {
+        EXPECT_EQ(difference(trace<F<T, Dynamic>, T>(d, steps), plain), -1)
+            << F<T, Dynamic>::name << ' ' << d << " on " << name_of(kernels::isa);
+    });
 }
 template <class T, template <class, int> class F, int N>
 void check_fixed() {

@@ -1,17 +1,8 @@
 // Rows rotated in several at a time leave the bits of the text for single rows; so do filters of fixed size.
-#include "tests/common/each_isa.hpp"
 #include "tests/linalg/known_rows.hpp"
 
 #include <rlslab/linalg/sweeps.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/carlson_delta.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/inverse_qr_delta.hpp>
-#include <rlslab/variants/potter.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -128,22 +119,14 @@ void check_sizes(std::integer_sequence<int, N...>) {
     for (Kind kind : kinds) (check_size<F, T, N + 1>(kind, Seed{std::uint64_t(8 * int(kind) + N)}), ...);
 }
 /// Sizes 1 to 8 of double; of float 3, none of whose rows fill a register, and 6.
-template <template <class, int> class F>
+template <template <class, int> class... F>
 void check() {
-    check_sizes<F, double>(std::make_integer_sequence<int, 8>());
-    check_sizes<F, float>(std::integer_sequence<int, 2, 5>());
+    (check_sizes<F, double>(std::make_integer_sequence<int, 8>()), ...);
+    (check_sizes<F, float>(std::integer_sequence<int, 2, 5>()), ...);
 }
 
 TEST(SmallSizes, LeaveTheBitsOfDynamicSize) {
-    check<Conventional>();
-    check<Symmetric>();
-    check<Ud>();
-    check<UdDelta>();
-    check<Potter>();
-    check<Carlson>();
-    check<CarlsonDelta>();
-    check<InverseQr>();
-    check<InverseQrDelta>();
+    check<Conventional, Symmetric, Ud, UdDelta, Potter, Carlson, CarlsonDelta, InverseQr, InverseQrDelta>();
 }
 
 }  // namespace

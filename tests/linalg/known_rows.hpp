@@ -7,10 +7,8 @@
 
 #include <rlslab/linalg/sweeps.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace rlslab::known_rows {
 

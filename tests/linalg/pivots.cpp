@@ -3,10 +3,7 @@
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/state/state.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/information.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/qr_block.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -163,7 +160,7 @@ TEST(Pivots, OfAPriorDetermineAlways) {
 }
 /// Forgetting wears a pivot down to its rounding, and a row brings it back; a saved state says the same.
 TEST(Pivots, MayBeForgotten) {
-    auto const check = []<class F>(std::type_identity<F>) {
+    for_each(TypeList<Qr<double>, Gentleman<double>>{}, []<class F>() {
         Problem<double> const problem{.size = 3, .forgetting = 0.5, .prior = std::nullopt};
         F f(problem), g(problem);
         Seed seed{53};
@@ -176,13 +173,11 @@ TEST(Pivots, MayBeForgotten) {
         EXPECT_EQ(take(g, x, 1).health, Health::undetermined) << F::name;
         independent(seed, x), take(f, x, output(x, seed));
         EXPECT_EQ(take(f, x, 1).health, Health::sound) << F::name;
-    };
-    check(std::type_identity<Qr<double>>{});
-    check(std::type_identity<Gentleman<double>>{});
+    });
 }
 /// A window in which a regressor stands still, from row 30 to 59: 15 rows of it determine nothing.
 TEST(Pivots, OfAWindowThatStandsStill) {
-    auto const check = []<class F>(std::type_identity<F>) {
+    for_each(TypeList<Qr<double>, Gentleman<double>>{}, []<class F>() {
         Windowed<F> f(Problem<double>{.size = 3, .prior = std::nullopt}, {.rows = 15});
         Seed seed{57};
         double x[3];
@@ -197,16 +192,12 @@ TEST(Pivots, OfAWindowThatStandsStill) {
                 EXPECT_NEAR(f.theta()[1], -1, 0.2) << F::name << ' ' << k;
             }
         }
-    };
-    check(std::type_identity<Qr<double>>{});
-    check(std::type_identity<Gentleman<double>>{});
+    });
 }
 /// Each lane of a pack has the health of its own filter.
 TEST(Pivots, OfLanesAreThoseOfEach) {
-    auto const check = []<class Lanes, class Alone>(std::type_identity<Lanes>, std::type_identity<Alone>) {
-        using P = typename Lanes::scalar;
-        Problem<P> packed{.size = 3, .prior = std::nullopt};
-        Lanes lanes(packed);
+    using P = Pack<double, 4>;
+    auto const check = []<class Lanes, class Alone>(Lanes lanes, std::type_identity<Alone>) {
         std::vector<Alone> alone(4, Alone({.size = 3, .prior = std::nullopt}));
         Seed seed{59};
         for (int k = 0; k < 120; ++k) {
@@ -228,9 +219,10 @@ TEST(Pivots, OfLanesAreThoseOfEach) {
             }
         }
     };
-    check(std::type_identity<Qr<Pack<double, 4>>>{}, std::type_identity<Qr<double>>{});
-    check(std::type_identity<Gentleman<Pack<double, 4>>>{}, std::type_identity<Gentleman<double>>{});
-    check(std::type_identity<Information<Pack<double, 4>>>{}, std::type_identity<Information<double>>{});
+    Problem<P> const packed{.size = 3, .prior = std::nullopt};
+    check(Qr<P>(packed), std::type_identity<Qr<double>>{});
+    check(Gentleman<P>(packed), std::type_identity<Gentleman<double>>{});
+    check(Information<P>(packed), std::type_identity<Information<double>>{});
 }
 
 }  // namespace

@@ -91,20 +91,17 @@ void check() {
     });
 }
 
-TEST(RowsAtOnce, LeaveTheBitsOfSingleRowsInDouble) {
-    check<Conventional, double>();
-    check<Ud, double>();
-    check<UdDelta, double>();
-    check<Carlson, double>();
-    check<InverseQr, double>();
+template <class T>
+void check_all() {
+    check<Conventional, T>();
+    check<Ud, T>();
+    check<UdDelta, T>();
+    check<Carlson, T>();
+    check<InverseQr, T>();
 }
-TEST(RowsAtOnce, LeaveTheBitsOfSingleRowsInFloat) {
-    check<Conventional, float>();
-    check<Ud, float>();
-    check<UdDelta, float>();
-    check<Carlson, float>();
-    check<InverseQr, float>();
-}
+
+TEST(RowsAtOnce, LeaveTheBitsOfSingleRowsInDouble) { check_all<double>(); }
+TEST(RowsAtOnce, LeaveTheBitsOfSingleRowsInFloat) { check_all<float>(); }
 
 /// Sums that start from 0, not from -0, make another zero of zeros.
 TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
@@ -165,14 +162,12 @@ void check_view(Shown shown, char const* what) {
         << F::name << ", " << what;
 }
 TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
-    auto const check_both = []<class F>(std::type_identity<F>) {
-        static_assert(sizeof(F) % sizeof(double) == 0);
-        check_view<F>([](F const& f) { return f.theta(); }, "theta");
-        check_view<F>([](F const& f) { return f.gain(); }, "gain");
-    };
-    check_both(std::type_identity<Conventional<double, 128>>());
-    check_both(std::type_identity<Ud<double, 128>>()), check_both(std::type_identity<Carlson<double, 128>>());
-    check_both(std::type_identity<InverseQr<double, 128>>());
+    for_each(TypeList<Conventional<double, 128>, Ud<double, 128>, Carlson<double, 128>, InverseQr<double, 128>>{},
+             []<class F>() {
+                 static_assert(sizeof(F) % sizeof(double) == 0);
+                 check_view<F>([](F const& f) { return f.theta(); }, "theta");
+                 check_view<F>([](F const& f) { return f.gain(); }, "gain");
+             });
 }
 
 /// A NaN in a row that is still to come does not reach the rows before it; the report of its own row says so.
@@ -233,21 +228,17 @@ TEST(RowsAtOnce, LeaveExtendedQrTheBitsOfSingleRowsInDouble) { check_rotated<Ext
 TEST(RowsAtOnce, LeaveExtendedQrTheBitsOfSingleRowsInFloat) { check_rotated<ExtendedQr<float>>(); }
 
 TEST(RowsAtOnce, LeaveTheBitsAtFixedSizesAndInOtherArithmetics) {
-    auto const check = []<class F>(std::type_identity<F>, Index d) {
+    using Filters =
+        TypeList<ExtendedQr<double, 4>, ExtendedQr<float, 8>, ExtendedQr<double, 9>, ExtendedQr<float, 20>,
+                 ExtendedQr<double, 16>, ExtendedQr<float, 3>, ExtendedQr<long double>, ExtendedQr<Chopped<binary16>>>;
+    for_each(Filters{}, []<class F>() {
         using T = typename F::scalar;
+        Index const d = detail::size_of<F> == Dynamic ? 20 : detail::size_of<F>;
         Rows<double> const rows(d, 27, Kind::zeros, Seed{3});
         Matrix<T> const psi = rows.psi.unaryExpr([](double x) { return T(x); });
         Vector<T> const y = rows.y.unaryExpr([](double x) { return T(x); });
         EXPECT_EQ(parted_from(F(Problem<T>{.size = d}), psi, y), "") << d << " parameters";
-    };
-    check(std::type_identity<ExtendedQr<double, 4>>{}, 4);
-    check(std::type_identity<ExtendedQr<float, 8>>{}, 8);
-    check(std::type_identity<ExtendedQr<double, 9>>{}, 9);
-    check(std::type_identity<ExtendedQr<float, 20>>{}, 20);
-    check(std::type_identity<ExtendedQr<double, 16>>{}, 16);
-    check(std::type_identity<ExtendedQr<float, 3>>{}, 3);
-    check(std::type_identity<ExtendedQr<long double>>{}, 20);
-    check(std::type_identity<ExtendedQr<Chopped<binary16>>>{}, 20);
+    });
 }
 
 /// One row of a block is not finite. The rows before it are as they were, and the health after it is that of single

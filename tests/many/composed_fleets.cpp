@@ -3,9 +3,7 @@
 
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/weighted.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,6 @@
 // A fleet: what it holds, what it refuses, and what would go wrong without it.
+#include "tests/common/states.hpp"
+
 #include <rlslab/many/fleet.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -138,16 +140,13 @@ TEST(Fleet, AStateOfAnotherNumberOfFiltersIsRefused) {
 }
 TEST(Fleet, AStateOfItsFirstEditionIsRefusedByName) {
     Four fleet = some_fleet(3);
-    auto const bytes = state_of(fleet);
-    std::vector<std::byte> old(bytes.begin(), bytes.end());
+    auto const bytes = states::bytes_of(fleet);
+    auto old = bytes;
     std::byte* const entry = old.data() + StateHeader::size + 4;
     ASSERT_EQ(StateEntry::read(entry).value, 2);
     Encoding<double>::write(1, entry + 24);
-    Checksum sum;
-    sum.add(std::span(old).first(old.size() - 4));
-    detail::write_low(sum.value(), 4, old.data() + old.size() - 4);
-    EXPECT_EQ(load(fleet, old), StateFault::edition);
-    EXPECT_EQ(state_of(fleet), bytes);
+    EXPECT_EQ(load(fleet, states::sealed(old)), StateFault::edition);
+    EXPECT_EQ(states::bytes_of(fleet), bytes);
 }
 
 }  // namespace

@@ -10,20 +10,9 @@
 namespace rlslab {
 namespace {
 
-using together::expect_fleets_of;
-
 TEST(Fleet, EachFilterLivesAlone) {
-    expect_fleets_of<Conventional>();
-    expect_fleets_of<ConventionalTwoSided>();
-    expect_fleets_of<Symmetric>();
-    expect_fleets_of<Joseph>();
-    expect_fleets_of<JosephRankTwo>();
-    expect_fleets_of<Potter>();
-    expect_fleets_of<Carlson>();
-    expect_fleets_of<Ud>();
-    expect_fleets_of<InverseQr>();
-    expect_fleets_of<ExtendedQr>();
-    expect_fleets_of<Kalman>();
+    together::expect_fleets_of_each<Conventional, ConventionalTwoSided, Symmetric, Joseph, JosephRankTwo, Potter,
+                                    Carlson, Ud, InverseQr, ExtendedQr, Kalman>();
 }
 
 }  // namespace

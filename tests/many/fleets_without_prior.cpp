@@ -11,11 +11,7 @@ namespace {
 
 using together::expect_fleets_of;
 
-TEST(Fleet, EachFilterLivesAloneAlsoWithoutPrior) {
-    expect_fleets_of<Information>();
-    expect_fleets_of<Qr>();
-    expect_fleets_of<Gentleman>();
-}
+TEST(Fleet, EachFilterLivesAloneAlsoWithoutPrior) { together::expect_fleets_of_each<Information, Qr, Gentleman>(); }
 TEST(Fleet, EachFilterLivesAloneInOtherShapes) {
     expect_fleets_of<Ud, float, 16>();
     expect_fleets_of<Gentleman, double, 4, Dynamic>();

@@ -29,39 +29,22 @@ template <class T>
 constexpr double beyond = sizeof(T) == 4 ? 1e30 : 1e200;
 
 /// Numbers with which each rule acts in some lanes and not in others.
-template <class T>
-auto chosen(std::type_identity<ConstantForgetting<T>>) {
-    return ConstantForgetting<T>{};
-}
-template <class T>
-auto chosen(std::type_identity<Fortescue<T>>) {
-    return Fortescue<T>{.noise_variance = T(0.03125), .memory = T(20), .largest_trace = T(300)};
-}
-template <class T>
-auto chosen(std::type_identity<Kulhavy<T>>) {
-    return Kulhavy<T>{.forgetting = T(0.9), .least_excitation = T(1)};
-}
-template <class T>
-auto chosen(std::type_identity<CaoSchwartz<T>>) {
-    return CaoSchwartz<T>{.forgetting = T(0.9), .least_excitation = T(1)};
-}
-template <class T>
-auto chosen(std::type_identity<RotatingRidge<T>>) {
-    return RotatingRidge<T>{.ridge = T(0.5)};
-}
-template <class T>
-auto chosen(std::type_identity<CovarianceReset<T>>) {
-    return CovarianceReset<T>{.period = 7, .variance = T(50)};
-}
-template <class T>
-auto chosen(std::type_identity<RandomWalk<T>>) {
-    return RandomWalk<T>{.variance = T(0.015625)};
+template <template <class> class Rule, class T>
+Rule<T> chosen() {
+    if constexpr (requires(Rule<T> r) { r.memory; })
+        return {.noise_variance = T(0.03125), .memory = T(20), .largest_trace = T(300)};
+    else if constexpr (requires(Rule<T> r) { r.least_excitation; })
+        return {.forgetting = T(0.9), .least_excitation = T(1)};
+    else if constexpr (requires(Rule<T> r) { r.ridge; }) return {.ridge = T(0.5)};
+    else if constexpr (requires(Rule<T> r) { r.period; }) return {.period = 7, .variance = T(50)};
+    else if constexpr (requires(Rule<T> r) { r.variance; }) return {.variance = T(0.015625)};
+    else return {};
 }
 template <template <class, int> class V, template <class> class Rule, int N>
 struct Ruled {
     template <class T>
     auto operator()(Problem<T> const& problem) const {
-        return Forgetting<V<T, N>, Rule<T>>(problem, chosen(std::type_identity<Rule<T>>{}));
+        return Forgetting<V<T, N>, Rule<T>>(problem, chosen<Rule, T>());
     }
 };
 template <template <class, int> class V, template <class> class Rule, class T = double, int L = 8, int N = 3>

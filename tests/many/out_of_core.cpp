@@ -8,7 +8,6 @@
 #include <rlslab/state/state.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -23,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using files::Folder, files::message_of;
-using testing::HasSubstr;
 using F = QrBlock<double>;
 static_assert(RowSource<RowFile> && !RowsInPlace<RowFile> && RowsInPlace<RowsInMemory>);
 

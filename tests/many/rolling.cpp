@@ -3,7 +3,6 @@
 #include "tests/common/laws.hpp"
 
 #include <rlslab/adapt/window.hpp>
-#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/many/rolling.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/variants/qr.hpp>

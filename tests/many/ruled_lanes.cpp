@@ -1,13 +1,7 @@
 // Rules of forgetting in packs and fleets.
 #include "tests/many/lanes.hpp"
 
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/information.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/qr_block.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 

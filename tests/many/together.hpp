@@ -1,6 +1,7 @@
 // A fleet and a filter of numbers of any type, for the tests that take them through what can happen to a fleet.
 #pragma once
 
+#include "tests/common/states.hpp"
 #include "tests/common/twins.hpp"
 
 #include <rlslab/many/fleet.hpp>
@@ -13,7 +14,7 @@ namespace rlslab::together {
 using twins::in;
 using twins::Left;
 using twins::Row;
-using Bytes = std::vector<std::byte>;
+using states::Bytes;
 
 /// A filter of numbers, and what a fleet must say of it.
 struct Alone {
@@ -24,12 +25,10 @@ struct Alone {
     virtual std::unique_ptr<Alone> copy() const = 0;
     virtual Left take(Row<double> const& row) = 0;
     virtual Left held() const = 0;
-    virtual Bytes saved() const = 0;
     virtual bool load(Bytes const& bytes) = 0;
 };
 struct Together {
     virtual ~Together() = default;
-    virtual Index filters() const = 0;
     virtual FleetCounts counts() const = 0;
     virtual Index add(Problem<double> const* problem) = 0;  ///< nullptr: the fleet's own, here and below
     virtual void remove(Index i) = 0;
@@ -91,10 +90,6 @@ public:
         if constexpr (detail::IsGuarded<F>) out.add("counts", twins::numbers_of(filter_.counts()));
         return out;
     }
-    Bytes saved() const override {
-        auto const bytes = state_of(filter_);
-        return {bytes.begin(), bytes.end()};
-    }
     bool load(Bytes const& bytes) override { return rlslab::load(filter_, bytes) == StateFault::none; }
 };
 
@@ -113,15 +108,11 @@ class TogetherAs final : public Together {
 public:
     TogetherAs(Make make, std::vector<Problem<double>> const& problems)
         : make_(make), fleet_(in_numbers(problems), make), steps_(fleet_.filters()) {}
-    Index filters() const override { return fleet_.filters(); }
     FleetCounts counts() const override { return fleet_.counts(); }
     Index add(Problem<double> const* p) override { return p ? fleet_.add(in<T>(*p)) : fleet_.add(); }
     void remove(Index i) override { fleet_.remove(i); }
     void reset(Index i, Problem<double> const* p) override { p ? fleet_.reset(i, in<T>(*p)) : fleet_.reset(i); }
-    Bytes saved(Index i) const override {
-        auto const bytes = state_of(fleet_.filter(i));
-        return {bytes.begin(), bytes.end()};
-    }
+    Bytes saved(Index i) const override { return states::bytes_of(fleet_.filter(i)); }
     void put(Index i, Alone const& one) override { fleet_.put(i, static_cast<AloneAs<F, Make> const&>(one).filter()); }
     bool goes_through_a_file(Problem<double> const& other) override {
         auto const bytes = state_of(fleet_);
@@ -131,7 +122,7 @@ public:
         return same;
     }
     Index update(std::vector<Row<double>> const& rows, bool with_steps, unsigned threads) override {
-        Index const M = filters(), d = fleet_.parameters();
+        Index const M = fleet_.filters(), d = fleet_.parameters();
         Matrix<T> psi(M, d);
         Vector<T> y(M), w(M);
         for (Index i = 0; i < M; ++i) {
@@ -180,6 +171,11 @@ void expect_fleets_of(Make make) {
 template <template <class, int> class V, class T = double, int L = 8, int N = 3>
 void expect_fleets_of() {
     expect_fleets_of<T, L>([]<class X>(Problem<X> const& p) { return V<X, N>(p); });
+}
+
+template <template <class, int> class... V>
+void expect_fleets_of_each() {
+    (expect_fleets_of<V>(), ...);
 }
 
 }  // namespace rlslab::together

@@ -130,22 +130,17 @@ TEST(Conversion, BetweenTheSameFactorsCopies) {
 TEST(Conversion, ToAnotherArithmeticRoundsOnce) {
     Records const records = laws::noise_records(4, 50, Seed{94});
     Qr<double> const from = fed<Qr<double>>(records, 0, 50, some_problem<double>());
-    auto const check = [&]<class To>() {
-        using T = typename To::scalar;
-        Converted<To> const to = convert<To>(from, T(0.96875));
-        ASSERT_TRUE(to) << To::name;
-        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)),
-                  16 * std::max(epsilon<T>(), epsilon<double>()))
-            << To::name;
-        EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), std::max(epsilon<T>(), 8 * epsilon<double>()))
-            << To::name;
-    };
-    check.operator()<Ud<float>>();
-    check.operator()<InverseQr<float>>();
-    check.operator()<Symmetric<float>>();
-    check.operator()<Ud<BFloat16>>();
-    check.operator()<Ud<Quad>>();
-    check.operator()<Carlson<Reference>>();
+    for_each(TypeList<Ud<float>, InverseQr<float>, Symmetric<float>, Ud<BFloat16>, Ud<Quad>, Carlson<Reference>>{},
+             [&]<class To>() {
+                 using T = typename To::scalar;
+                 Converted<To> const to = convert<To>(from, T(0.96875));
+                 ASSERT_TRUE(to) << To::name;
+                 EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)),
+                           16 * std::max(epsilon<T>(), epsilon<double>()))
+                     << To::name;
+                 EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), std::max(epsilon<T>(), 8 * epsilon<double>()))
+                     << To::name;
+             });
     EXPECT_TRUE((convert<Ud<double>>(fed<Carlson<Quad>>(records, 0, 50, some_problem<Quad>()))));
     EXPECT_EQ((number_as<Quad>(Reference(1) / 3)), Quad(1) / Quad(3));
     EXPECT_EQ((number_as<Reference>(Quad(1) / Quad(3))), widen(Quad(Quad(1) / Quad(3))));
@@ -227,6 +222,7 @@ TEST(MergingWithPrior, IsExactInRationals) {
     Records records = laws::noise_records(3, 12, Seed{95});
     records.psi = (records.psi * 64).array().round().matrix().eval();
     records.y = (records.y * 64).array().round().matrix().eval();
+    using Forms = TypeList<Ud<Q>, Conventional<Q>, Joseph<Q>, Information<Q>, Gentleman<Q>>;
     auto const check = [&]<class F>(Q const& lambda) {
         Problem<Q> problem{.size = 3, .forgetting = lambda, .prior = Prior<Q>{.variance = 5}};
         problem.prior->theta = Vector<Q>{{Q(1), Q(-2), Q(1) / 3}};
@@ -240,13 +236,8 @@ TEST(MergingWithPrior, IsExactInRationals) {
         EXPECT_EQ(Triangle<Q>(sum->filter.stored()).turn_into(false, true).D.view(),
                   Triangle<Q>(both.stored()).turn_into(false, true).D.view());
     };
-    for (Q const& lambda : {Q(1), Q(7) / 8}) {
-        check.operator()<Ud<Q>>(lambda);
-        check.operator()<Conventional<Q>>(lambda);
-        check.operator()<Joseph<Q>>(lambda);
-        check.operator()<Information<Q>>(lambda);
-        check.operator()<Gentleman<Q>>(lambda);
-    }
+    for (Q const& lambda : {Q(1), Q(7) / 8})
+        for_each(Forms{}, [&]<class F>() { check.template operator()<F>(lambda); });
 }
 
 /// A rule that lets the prior count twice.
@@ -313,7 +304,7 @@ TEST(MergingWithPrior, WithoutOneNothingIsTakenOut) {
     Problem<double> problem = some_problem<double>(0.96875);
     problem.prior.reset();
     CertifiedSolution const exact = std::move(certified(problem, records, {60}, 40).front());
-    auto const check = [&]<class F>() {
+    for_each(TypeList<Qr<double>, Gentleman<double>, Information<double>, QrBlock<double>>{}, [&]<class F>() {
         auto const sum = merged(part<F>(records, 0, 30, problem), part<F>(records, 30, 60, problem), problem);
         ASSERT_TRUE(sum) << F::name;
         EXPECT_LE(merging_error(sum->filter, exact), budget<F>()) << F::name;
@@ -322,11 +313,7 @@ TEST(MergingWithPrior, WithoutOneNothingIsTakenOut) {
         if (F::name != "information") {
             EXPECT_EQ(few.health, Health::undetermined) << F::name;
         }
-    };
-    check.operator()<Qr<double>>();
-    check.operator()<Gentleman<double>>();
-    check.operator()<Information<double>>();
-    check.operator()<QrBlock<double>>();
+    });
 }
 TEST(MergingWithPrior, IsRefusedOrSaysWhyThereIsNone) {
     Problem<double> const problem = some_problem<double>();

@@ -1,5 +1,6 @@
 // What is damaged or of another kind is refused in one line; a file is old or new whenever its writer is killed.
 #include "tests/common/files.hpp"
+#include "tests/common/states.hpp"
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
@@ -17,37 +18,26 @@
 namespace rlslab {
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using states::Bytes, states::bytes_of, states::sealed;
 
 /// 10 000 files: every flipped bit, every length, every byte gone or twice, swapped halves, blocks of noise.
 TEST(State, DamagedIsRefused) {
     Ud<float, 2> f({.size = 2, .forgetting = 0.875f});
     f.update({1, -0.0f}, 3);
-    auto const good = state_of(f);
     Ud<float, 2> other({.size = 2, .forgetting = 0.75f});
-    auto const second = state_of(other);
-    Bytes const whole(good.begin(), good.end());
+    Bytes const whole = bytes_of(f), second = bytes_of(other);
     int files = 0, accepted = 0;
     auto const offer = [&](Bytes const& bytes) {
-        if (bytes == whole || bytes == Bytes(second.begin(), second.end())) return;
+        if (bytes == whole || bytes == second) return;
         Ud<float, 2> g({.size = 2});
         auto const before = state_of(g);
         ++files;
         accepted += load(g, bytes) == StateFault::none || state_of(g) != before;
     };
-    for (size_t i = 0; i < 8 * whole.size(); ++i) {
-        Bytes bytes = whole;
-        bytes[i / 8] ^= std::byte(1 << i % 8);
-        offer(bytes);
-    }
-    for (size_t n = 0; n < whole.size(); ++n) {
-        offer(Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(n)));
-        Bytes less = whole, more = whole, head = whole;
-        less.erase(less.begin() + std::ptrdiff_t(n));
-        more.insert(more.begin() + std::ptrdiff_t(n), whole[n]);
-        std::copy(second.begin() + std::ptrdiff_t(n), second.end(), head.begin() + std::ptrdiff_t(n));
-        offer(less);
-        offer(more);
+    states::each_damaged(whole, offer);
+    for (std::ptrdiff_t n = 0; n < std::ssize(whole); ++n) {
+        Bytes head = whole;
+        std::copy(second.begin() + n, second.end(), head.begin() + n);
         offer(head);
     }
     Seed seed{71};
@@ -62,20 +52,14 @@ TEST(State, DamagedIsRefused) {
 TEST(State, WithAForgedChecksumIsNotBelievedInEverything) {
     Information<double> f({.size = 2}), g({.size = 2, .forgetting = 0.5});
     Bytes bytes = state_of(f);
-    auto const seal = [&] {
-        Checksum sum;
-        sum.add(std::span(bytes).first(bytes.size() - 4));
-        detail::write_low(sum.value(), 4, bytes.data() + bytes.size() - 4);
-    };
     Bytes const before = state_of(g);
     bytes[bytes.size() - 5] = std::byte(7);  // solved_
-    seal();
-    EXPECT_EQ(load(g, bytes), StateFault::value);
+    EXPECT_EQ(load(g, sealed(bytes)), StateFault::value);
     EXPECT_EQ(state_of(g), before) << "as it was";
     bytes = state_of(f);
     for (int const version : {1, 3}) {
         bytes[8] = std::byte(version);
-        seal();
+        bytes = sealed(bytes);
         EXPECT_EQ(load(g, bytes), StateFault::other_version);
         EXPECT_EQ(state_of(g), before);
         std::string const names = "information double " + std::to_string(version) + " 2";
@@ -85,14 +69,14 @@ TEST(State, WithAForgedChecksumIsNotBelievedInEverything) {
     bytes = state_of(f);
     for (std::uint64_t const entries : {std::uint64_t(0), std::uint64_t(2), std::uint64_t(0xffffffff)}) {
         detail::write_low(entries, 4, bytes.data() + StateHeader::size);
-        seal();
+        bytes = sealed(bytes);
         EXPECT_EQ(load(g, bytes), StateFault::layout) << entries;
         EXPECT_EQ(state_of(g), before);
         EXPECT_NO_THROW((void)described_state(bytes));
     }
     bytes = state_of(f);
     detail::write_low(0x7fffffff, 4, bytes.data() + 24);  // nobody makes a filter of so many parameters
-    seal();
+    bytes = sealed(bytes);
     EXPECT_THROW(loaded<Information<double>>(std::span<std::byte const>(bytes)), InputError);
 }
 TEST(State, SaysWhatIsInIt) {

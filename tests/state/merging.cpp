@@ -64,20 +64,13 @@ double associativity_error(double lambda) {
 /// The battery's budget of a solution; both sides of associativity have it.
 constexpr double budget = 60;
 
-template <class T>
-void check() {
-    for (double lambda : {1.0, 0.96875}) {
-        for (bool prior : {false, true}) EXPECT_LE(merging_error<QrBlock<T>>(lambda, prior), budget) << lambda;
-        EXPECT_LE(associativity_error<QrBlock<T>>(lambda), 2 * budget) << lambda;
-    }
-}
 TEST(Merging, PartsMergedAreTheRowsFoldedIn) {
-    check<double>();
-    check<float>();
-    check<long double>();
-    check<Quad>();
-    check<Chopped<binary16>>();
-    check<Chopped<bfloat16>>();
+    for_each(TypeList<double, float, long double, Quad, Chopped<binary16>, Chopped<bfloat16>>{}, []<class T>() {
+        for (double lambda : {1.0, 0.96875}) {
+            for (bool prior : {false, true}) EXPECT_LE(merging_error<QrBlock<T>>(lambda, prior), budget) << lambda;
+            EXPECT_LE(associativity_error<QrBlock<T>>(lambda), 2 * budget) << lambda;
+        }
+    });
 }
 
 /// R'R = lambda^n R1'R1 + R2'R2 and R'z likewise: to 2^-220 of the largest number, as the identities of one update.

@@ -3,6 +3,7 @@
 #include "tests/common/kept.hpp"
 #include "tests/common/laws.hpp"
 #include "tests/common/same.hpp"
+#include "tests/common/states.hpp"
 
 #include <rlslab/state/state_file.hpp>
 #include <rlslab/arithmetic/pack.hpp>
@@ -12,14 +13,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <fstream>
 #include <iomanip>
 
 namespace rlslab {
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using states::Bytes;
 
 template <class A>
 bool same_numbers(A const& a, A const& b) {
@@ -136,12 +136,8 @@ TEST_P(EveryState, DISABLED_IsKept) {
     list << '\n';
 }
 
-std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
-    std::string name = std::string(info.param.variant) + "_" + std::string(info.param.arithmetic->name);
-    std::replace(name.begin(), name.end(), '-', '_');
-    return name;
-}
-INSTANTIATE_TEST_SUITE_P(Catalogue, EveryState, testing::ValuesIn(catalogue()), title);
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryState, testing::ValuesIn(catalogue()),
+                         [](auto const& info) { return laws::title(info.param); });
 
 // --- the format ------------------------------------------------------------------------------------------------------
 
@@ -240,15 +236,6 @@ TEST(State, OfWhatIsComposedAddsALine) {
 
 // --- saboteurs: a list that forgets a member -------------------------------------------------------------------------
 
-/// g is f but for its i-th member.
-template <size_t i, class F>
-void take_all_but(F& g, F const& f) {
-    auto to = F::state(g);
-    auto const from = F::state(f);
-    [&]<size_t... j>(std::index_sequence<j...>) {
-        ((j == i ? void() : void(std::get<j>(to) = std::get<j>(from))), ...);
-    }(std::make_index_sequence<std::tuple_size_v<decltype(to)>>());
-}
 template <class F>
 F made(double lambda, bool prior, double variance) {
     Problem<double> p{.size = 4, .forgetting = lambda, .prior = Prior<double>{.variance = variance}};
@@ -290,7 +277,7 @@ bool is_missed() {
                     }
                 f.update(records.sample(k), records.y[k]);
             }
-            take_all_but<i>(g, f);
+            states::take_all_but<i>(g, f);
             if (part(f, g)) return true;
         }
     return false;

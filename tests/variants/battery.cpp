@@ -3,9 +3,9 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/erase.hpp>
 #include "tests/common/laws.hpp"
+#include "tests/common/on_a_square.hpp"
 
 #include <rlslab/arithmetic/arithmetics.hpp>
-#include <rlslab/linalg/start.hpp>
 
 #include <gtest/gtest.h>
 
@@ -101,16 +101,12 @@ TEST_P(Battery, MisuseThrowsAtTheDoor) {
     EXPECT_THROW(make(problem(2))->update(Vector<double>(Vector<double>::Zero(3)), 1), std::invalid_argument);
 }
 
-std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
-    std::string name = std::string(info.param.variant) + "_" + std::string(info.param.arithmetic->name);
-    std::replace(name.begin(), name.end(), '-', '_');
-    return name;
-}
-INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()), title);
+INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()),
+                         [](auto const& info) { return laws::title(info.param); });
 
 // --- saboteurs -------------------------------------------------------------------------------------------------------
 
-/// What can go wrong in a filter, one thing at a time; otherwise it is the scalar-sized textbook form on P = p I.
+/// What can go wrong in a filter, one thing at a time.
 enum class Fault {
     learns_from_nothing,
     offset,
@@ -125,38 +121,25 @@ enum class Fault {
 };
 
 template <Fault fault>
-class Saboteur {
-    double lambda_;
-    DivisorNearOne<double> by_lambda_;
-    StateVector<double> theta_, f_, K_;
-    StateMatrix<double> P_;
+class Saboteur : public SymmetricOnASquare<double> {
     static inline int shared_ = 0;
     mutable int looks_ = 0;
 
 public:
-    using scalar = double;
     static constexpr std::string_view name = "saboteur";
     static constexpr Family family{};
-    explicit Saboteur(Problem<double> const& p)
-        : lambda_(checked(p).forgetting), by_lambda_(lambda_), theta_(start_theta<double, Dynamic>(p)), f_(p.size),
-          K_(p.size), P_(start_covariance<double, Dynamic>(p)) {}
+    using SymmetricOnASquare::SymmetricOnASquare;
     Step<double> update(Regressor<double> psi, double y) {
-        double e = innovation(y, psi, theta_);
-        multiply(P_, psi.data(), f_);
-        double const s = lambda_ + dot(psi, f_);
-        divide(f_, s, K_);
-        for (Index j = 0; j < f_.size(); ++j)
-            for (Index i = 0; i <= j; ++i) P_(j, i) = P_(i, j) = by_lambda_(P_(i, j) - K_[i] * f_[j]);
-        if (fault == Fault::offset) e += 1e-3;
-        if (fault == Fault::shared_state) e += 1e-9 * ++shared_;
-        if (fault == Fault::hidden_noise) e += 1e-9 * looks_;
-        add_scaled(theta_, e, K_);
-        if (fault == Fault::learns_from_nothing) theta_[0] += 1e-12 * y;
-        if (fault == Fault::biased) theta_[0] += 1e-13;
-        Step<double> step = step_of(e, lambda_ / s);
+        auto row = look(psi, y);
+        if (fault == Fault::offset) row.e += 1e-3;
+        if (fault == Fault::shared_state) row.e += 1e-9 * ++shared_;
+        if (fault == Fault::hidden_noise) row.e += 1e-9 * looks_;
+        Step<double> step = commit(row);
+        if (fault == Fault::learns_from_nothing) form().theta[0] += 1e-12 * y;
+        if (fault == Fault::biased) form().theta[0] += 1e-13;
         if (fault == Fault::cries_wolf && step.gamma < 0.5) step.health = Health::indefinite;
         if (fault == Fault::deaf) step.health = Health::sound;
-        if (fault == Fault::wrong_residual) step.residual = e;
+        if (fault == Fault::wrong_residual) step.residual = row.e;
         return step;
     }
     void accumulate(Regressor<double> psi, double y)
@@ -164,13 +147,11 @@ public:
     {
         update(psi, y + 0x1p-40);
     }
-    auto theta() const { return theta_.view(); }
-    Vector<double> gain() const { return fault == Fault::wrong_gain ? f_.view() : K_.view(); }
+    Vector<double> gain() const { return SymmetricOnASquare::gain() * (fault == Fault::wrong_gain ? 2 : 1); }
     Stored<double> stored() const {
         ++looks_;
-        return {Stored<double>::Quantity::covariance, Stored<double>::Form::plain, P_.view()};
+        return SymmetricOnASquare::stored();
     }
-    static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.f_, f.K_, f.P_); }
 };
 
 template <Fault fault>

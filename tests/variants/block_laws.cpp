@@ -3,13 +3,7 @@
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/studies/rationals.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/carlson_delta.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/inverse_qr_delta.hpp>
-#include <rlslab/variants/joseph_rank_two.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 

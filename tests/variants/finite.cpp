@@ -2,7 +2,6 @@
 #include "tests/common/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/linalg/finite.hpp>

@@ -4,7 +4,6 @@
 #include <rlslab/linalg/start.hpp>
 
 #include "tests/variants/gain_laws.hpp"
-#include "tests/variants/turned_rotations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,22 +29,37 @@ M root(Case<T> const& c) {
     return S.view();
 }
 
+/// The new S of P = S S', S upper triangular, and b_1 ... b_d. Rotation `wrong` turns by phi more; -1: none.
 std::pair<M, std::vector<T>> inverse_qr(Case<T> const& c, Index wrong, T const& phi) {
-    return turned_inverse_qr<T>(root(c), c.psi, c.lambda, wrong, phi);
+    Index const d = c.size;
+    M S = root(c);
+    S /= sqrt(c.lambda);
+    V const a = S.transpose().lazyProduct(c.psi);
+    V g = V::Zero(d);
+    T b = T(1);
+    std::vector<T> all;
+    for (Index j = 0; j < d; ++j) {
+        T const next = sqrt(T(b * b + a[j] * a[j]));
+        T cosine = b / next, sine = a[j] / next;
+        if (j == wrong) {
+            T const turned = cosine * cos(phi) - sine * sin(phi);
+            sine = sine * cos(phi) + cosine * sin(phi);
+            cosine = turned;
+        }
+        for (Index i = 0; i <= j; ++i) {
+            T const t = S(i, j), before = g[i];
+            g[i] = cosine * before + sine * t;
+            S(i, j) = cosine * t - sine * before;
+        }
+        b = next;
+        all.push_back(b);
+    }
+    return {S, all};
 }
 
-/// R of P^-1 = R'R by Gauss and Jordan, then Cholesky.
+/// R of P^-1 = R'R by Cholesky.
 M information_root(Case<T> const& c) {
-    M R = M::Zero(c.size, c.size), A = M::Identity(c.size, c.size), P = c.P;
-    for (Index j = 0; j < c.size; ++j) {
-        T const pivot = P(j, j);
-        for (Index k = 0; k < c.size; ++k) P(j, k) /= pivot, A(j, k) /= pivot;
-        for (Index i = 0; i < c.size; ++i)
-            if (i != j) {
-                T const m = P(i, j);
-                for (Index k = 0; k < c.size; ++k) P(i, k) -= m * P(j, k), A(i, k) -= m * A(j, k);
-            }
-    }
+    M R = M::Zero(c.size, c.size), A = inverse<T>(c.P);
     for (Index i = 0; i < c.size; ++i) {
         T const pivot = square_root(T(A(i, i)));
         for (Index k = i; k < c.size; ++k) R(i, k) = A(i, k) / pivot;
@@ -54,8 +68,29 @@ M information_root(Case<T> const& c) {
     }
     return R;
 }
+/// The new R of P^-1 = R'R, R upper triangular, and the running row after rotation `wrong`, which turns by phi more.
 std::pair<M, V> qr(Case<T> const& c, Index wrong, T const& phi) {
-    return turned_qr<T>(information_root(c), c.psi, c.lambda, wrong, phi);
+    Index const d = c.size;
+    M R = information_root(c);
+    R *= sqrt(c.lambda);
+    V x = c.psi, after = V::Zero(d);
+    for (Index i = 0; i < d; ++i) {
+        T const r = sqrt(T(R(i, i) * R(i, i) + x[i] * x[i])), cosine = R(i, i) / r, sine = x[i] / r;
+        auto const turn = [&](T const& with_cosine, T const& with_sine) {
+            for (Index k = i; k < d; ++k) {
+                T const t = R(i, k);
+                R(i, k) = with_cosine * t + with_sine * x[k];
+                x[k] = with_cosine * x[k] - with_sine * t;
+            }
+            x[i] = T(0);  // as the variant has it: what it does not store
+        };
+        turn(cosine, sine);
+        if (i == wrong) {
+            after = x;
+            turn(cos(phi), sin(phi));
+        }
+    }
+    return {R, after};
 }
 
 TEST(AngleLaws, OfInverseQr) {

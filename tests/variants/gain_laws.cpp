@@ -4,20 +4,7 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/core/type_list.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/carlson_delta.hpp>
-#include <rlslab/variants/conventional.hpp>
-#include <rlslab/variants/conventional_two_sided.hpp>
-#include <rlslab/variants/extended_qr.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/inverse_qr_delta.hpp>
-#include <rlslab/variants/joseph.hpp>
-#include <rlslab/variants/joseph_rank_two.hpp>
-#include <rlslab/variants/kalman.hpp>
-#include <rlslab/variants/potter.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <rlslab/studies/rationals.hpp>
 #include "tests/common/laws.hpp"
@@ -227,15 +214,12 @@ void expect_the_same_diagonal(Index d) {
     }
 }
 TEST(GainLaws, NoErrorReachesADiagonalOfTheSweeps) {
-    auto const in = []<class T>() {
+    for_each(TypeList<float, double, BFloat16>{}, []<class T>() {
         for (Index const d : {1, 2, 5, 11})
             for_each(TypeList<Carlson<T>, CarlsonDelta<T>, Ud<T>, UdDelta<T>, InverseQr<T>, InverseQrDelta<T>,
                               ExtendedQr<T>>{},
                      [d]<class F>() { expect_the_same_diagonal<F>(d); });
-    };
-    in.template operator()<float>();
-    in.template operator()<double>();
-    in.template operator()<BFloat16>();
+    });
 }
 
 /// A perturbation that changes nothing changes no bit, though the sweeps then run column by column.
@@ -258,15 +242,12 @@ void expect_the_same_bits(Index d) {
     EXPECT_GE(calls, 40) << F::name;
 }
 TEST(GainLaws, AnInertPerturbationLeavesTheKernelsBits) {
-    auto const in = []<class T>() {
+    for_each(TypeList<float, double, BFloat16>{}, []<class T>() {
         for (Index const d : {1, 3, 4, 8, 19})
             for_each(TypeList<Conventional<T>, Kalman<T>, Joseph<T>, Potter<T>, Carlson<T>, CarlsonDelta<T>, Ud<T>,
                               UdDelta<T>, InverseQr<T>, InverseQrDelta<T>, ExtendedQr<T>>{},
                      [d]<class F>() { expect_the_same_bits<F>(d); });
-    };
-    in.template operator()<float>();
-    in.template operator()<double>();
-    in.template operator()<BFloat16>();
+    });
 }
 
 // --- errors of f and s: the formulas of the pages, because the pages offer K alone -----------------------------------

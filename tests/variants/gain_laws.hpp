@@ -49,6 +49,22 @@ T determinant(Matrix<T> A) {  // elimination without pivoting: semidefinite matr
     return out;
 }
 
+template <class T>
+Matrix<T> inverse(Matrix<T> A) {  // Gauss-Jordan without pivoting: definite matrices only
+    Index const d = A.rows();
+    Matrix<T> X = Matrix<T>::Identity(d, d);
+    for (Index j = 0; j < d; ++j) {
+        T const pivot = A(j, j);
+        for (Index k = 0; k < d; ++k) A(j, k) /= pivot, X(j, k) /= pivot;
+        for (Index i = 0; i < d; ++i)
+            if (i != j) {
+                T const m = A(i, j);
+                for (Index k = 0; k < d; ++k) A(i, k) -= m * A(j, k), X(i, k) -= m * X(j, k);
+            }
+    }
+    return X;
+}
+
 /// P, psi, lambda of small numbers, the exact step, and an error of the gain: of K itself up to twice its size.
 template <class T>
 struct Case {
@@ -141,12 +157,7 @@ auto after(Case<typename F::scalar> const& c, Perturb perturb) {
     using T = typename F::scalar;
     F filter(c.problem());
     filter.update(c.psi, T(1), perturb);
-    Stored<T> const stored = filter.stored();
-    if (stored.form == Stored<T>::Form::plain) return Matrix<T>(stored.F);
-    Matrix<T> FD = stored.F;
-    for (Index j = 0; j < stored.D.size(); ++j)
-        for (Index i = 0; i < FD.rows(); ++i) FD(i, j) *= stored.D[j];
-    return Matrix<T>(FD.lazyProduct(stored.F.transpose()));
+    return multiplied_out(Stored<T>(filter.stored()));
 }
 /// The error of K as one of what F uses: v = s K in Potter's form.
 template <class F>

@@ -2,10 +2,7 @@
 // constant is reached; N steps of float filters, drawn and by climbing over rows.
 #include <rlslab/studies/half_power.hpp>
 #include <rlslab/studies/rationals.hpp>
-#include <rlslab/variants/joseph.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23): with == in rationals, and to
 // 2^-220 in Reference, also in forms that take square roots.
 #include "tests/common/laws.hpp"
+#include "tests/variants/gain_laws.hpp"
 
 #include <rlslab/variants/variants.hpp>
 
@@ -11,43 +12,7 @@
 namespace rlslab {
 namespace {
 
-template <class T>
-Matrix<T> inverse(Matrix<T> A) {  // Gauss-Jordan without pivoting: definite matrices only
-    Index const d = A.rows();
-    Matrix<T> X = Matrix<T>::Identity(d, d);
-    for (Index j = 0; j < d; ++j) {
-        T const pivot = A(j, j);
-        for (Index k = 0; k < d; ++k) A(j, k) /= pivot, X(j, k) /= pivot;
-        for (Index i = 0; i < d; ++i)
-            if (i != j) {
-                T const m = A(i, j);
-                for (Index k = 0; k < d; ++k) A(i, k) -= m * A(j, k), X(i, k) -= m * X(j, k);
-            }
-    }
-    return X;
-}
-
-/// P as the stored numbers say, in the filter's own (exact, or wide enough) arithmetic.
-template <class T>
-Matrix<T> covariance_of(Stored<T> const& stored) {
-    return covariance_of(stored, inverse<T>);
-}
-
-template <class T>
-T inner(Vector<T> const& a, Vector<T> const& b) {
-    T sum = T(0);
-    for (Index i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-    return sum;
-}
-template <class Derived>
-auto largest(Eigen::MatrixBase<Derived> const& A) {
-    using T = typename Derived::Scalar;
-    T out = T(0);
-    for (Index j = 0; j < A.cols(); ++j)
-        for (Index i = 0; i < A.rows(); ++i)
-            if (out < absolute(T(A(i, j)))) out = absolute(T(A(i, j)));
-    return out;
-}
+using gain_laws::inner, gain_laws::inverse, gain_laws::largest;
 
 enum Identity {
     residual_is_gamma_e,
@@ -107,13 +72,13 @@ std::array<T, count> violations(T lambda) {
         Step<T> const step = filter.update(psi, y);
         T const e = step.innovation, gamma = step.gamma;
         Vector<T> const K = filter.gain(), now = filter.theta();
-        Matrix<T> const P_now = covariance_of(filter.stored());
+        Matrix<T> const P_now = covariance_of(filter.stored(), inverse<T>);
 
         note(residual_is_gamma_e, step.residual - gamma * e);
         note(residual_is_a_posteriori, step.residual - (y - inner(psi, now)));
         X = lambda * X + psi.lazyProduct(psi.transpose());
         b = lambda * b + y * psi;
-        note(information_recursion, largest(P_now.lazyProduct(X) - I));
+        note(information_recursion, largest<T>(P_now.lazyProduct(X) - I));
         T const J_now = cost(now), V_now = inner<T>(truth - now, X.lazyProduct(truth - now));
         note(cost_recursion, J_now - (lambda * J + gamma * e * e));
         note(energy, V_now - (lambda * V + v * v - gamma * e * e));
@@ -122,9 +87,9 @@ std::array<T, count> violations(T lambda) {
         note(determinant, A(0, 0) * (A(1, 1) * A(2, 2) - A(1, 2) * A(2, 1)) -
                               A(0, 1) * (A(1, 0) * A(2, 2) - A(1, 2) * A(2, 0)) +
                               A(0, 2) * (A(1, 0) * A(2, 1) - A(1, 1) * A(2, 0)) - gamma);
-        note(transition, largest(A - lambda * P_now.lazyProduct(inverse(P))));
-        note(gain_is_P_psi, largest(K - P_now.lazyProduct(psi)));
-        note(batch, largest(X.lazyProduct(now) - b));
+        note(transition, largest<T>(A - lambda * P_now.lazyProduct(inverse(P))));
+        note(gain_is_P_psi, largest<T>(K - P_now.lazyProduct(psi)));
+        note(batch, largest<T>(X.lazyProduct(now) - b));
         J = J_now, V = V_now, P = P_now, theta = now;
     }
     return worst;
@@ -223,26 +188,6 @@ TEST(Report, NamesTheBreakdown) {
     EXPECT_EQ(step_of(1.0, undefined<double>()).health, Health::nonfinite);
     EXPECT_EQ(step_of(infinity, 0.5).health, Health::nonfinite);
     EXPECT_EQ(step_of(3.0, 0.5).residual, 1.5);
-}
-
-/// Fixed sizes hold their state inline and compute the same bits.
-TEST(FixedSize, GivesTheBitsOfDynamicSize) {
-    Records const records = laws::noise_records(4, 50, Seed{9});
-    Problem<double> const problem = laws::problem(4, 0.96875);
-    for_each(Variants<double>{}, [&]<class Free>() {
-        using Fixed = AtSize<Free, 4>;
-        if constexpr (!std::is_void_v<Fixed>) {
-            Fixed fixed(problem);
-            Free free(problem);
-            for (Index k = 0; k < records.rows(); ++k) {
-                fixed.update(records.sample(k), records.y[k]);
-                free.update(records.sample(k), records.y[k]);
-            }
-            EXPECT_EQ(Vector<double>(fixed.theta()), Vector<double>(free.theta())) << Fixed::name;
-            EXPECT_EQ(fixed.stored().F, free.stored().F) << Fixed::name;
-        }
-    });
-    EXPECT_THROW((Ud<double, 4>(laws::problem(3))), std::invalid_argument);
 }
 
 }  // namespace

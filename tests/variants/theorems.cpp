@@ -3,18 +3,7 @@
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/type_list.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/carlson_delta.hpp>
-#include <rlslab/variants/conventional_two_sided.hpp>
-#include <rlslab/variants/inverse_qr.hpp>
-#include <rlslab/variants/inverse_qr_delta.hpp>
-#include <rlslab/variants/extended_qr.hpp>
-#include <rlslab/variants/joseph.hpp>
-#include <rlslab/variants/joseph_rank_two.hpp>
-#include <rlslab/variants/potter.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
-#include <rlslab/variants/ud_delta.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <rlslab/studies/rationals.hpp>
 #include "tests/variants/gain_laws.hpp"
@@ -149,19 +138,18 @@ Ends sweep_with_any_error(int cases) {
     return out;
 }
 TEST(Theorems, SweepsStayDefiniteUnderAnyErrorShortOfUnderflow) {
-    auto const in = []<class T>() {
-        Ends const ud = sweep_with_any_error<Ud<T>>(20000), carlson = sweep_with_any_error<Carlson<T>>(20000),
-                   rotations = sweep_with_any_error<InverseQr<T>>(20000),
-                   both = sweep_with_any_error<ExtendedQr<T>>(20000);
-        for (Ends const& ends : {ud, carlson, rotations, both}) EXPECT_GT(ends.definite, 1000);
-        for (Ends const& ends : {ud, both}) EXPECT_GT(ends.zero, 0) << "the clause is needed";
-        for (Ends const& ends : {sweep_with_any_error<UdDelta<T>>(20000), sweep_with_any_error<CarlsonDelta<T>>(20000),
-                                 sweep_with_any_error<InverseQrDelta<T>>(20000)})
-            EXPECT_GT(ends.definite, 1000);  // the paper's sentence on the difference forms
-    };
-    in.template operator()<Tiny<Rounding::nearest>>();
-    in.template operator()<Tiny<Rounding::toward_zero>>();
-    in.template operator()<Tiny<Rounding::stochastic>>();
+    for_each(TypeList<Tiny<Rounding::nearest>, Tiny<Rounding::toward_zero>, Tiny<Rounding::stochastic>>{},
+             []<class T>() {
+                 Ends const ud = sweep_with_any_error<Ud<T>>(20000), carlson = sweep_with_any_error<Carlson<T>>(20000),
+                            rotations = sweep_with_any_error<InverseQr<T>>(20000),
+                            both = sweep_with_any_error<ExtendedQr<T>>(20000);
+                 for (Ends const& ends : {ud, carlson, rotations, both}) EXPECT_GT(ends.definite, 1000);
+                 for (Ends const& ends : {ud, both}) EXPECT_GT(ends.zero, 0) << "the clause is needed";
+                 for (Ends const& ends :
+                      {sweep_with_any_error<UdDelta<T>>(20000), sweep_with_any_error<CarlsonDelta<T>>(20000),
+                       sweep_with_any_error<InverseQrDelta<T>>(20000)})
+                     EXPECT_GT(ends.definite, 1000);  // the paper's sentence on the difference forms
+             });
 }
 /// The clause itself: a D that underflows is lost, and no error is needed for it.
 TEST(Theorems, WithoutTheClauseADiagonalUnderflows) {

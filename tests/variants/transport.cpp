@@ -2,12 +2,12 @@
 // and of the symmetric form against exact steps, and the correlation of graded columns.
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/core/random.hpp>
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/studies/rationals.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
 #include <rlslab/variants/symmetric.hpp>
 
-#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,6 @@ namespace rlslab {
 namespace {
 
 using namespace studies::rationals;
-using Doubles = Eigen::MatrixXd;
 
 /// The step of item 12 from any nonsingular P, symmetric or not; Joseph's products are the same.
 M stepped(M const& P, V const& psi, Q const& lambda) {
@@ -280,43 +279,24 @@ TEST(JosephBound, OnGradedColumnsIsOneOfTheNextUnit) {
 
 // Joseph's products and the units of the columns (docs/theory.md 119): scaling by powers of two changes no bit.
 
-/// rows x d numbers with the singular values kappa^(-i/(d-1)) sqrt(rows), in random directions, and outputs.
-struct Rows {
-    Eigen::MatrixXd psi;
-    Eigen::VectorXd y;
-};
-Rows rotated(Index d, Index rows, double kappa, Seed seed) {
-    Eigen::MatrixXd A(rows, d), B(d, d);
-    for (double& x : A.reshaped()) x = seed.bell();
-    for (double& x : B.reshaped()) x = seed.bell();
-    Eigen::MatrixXd const V = B.householderQr().householderQ();
-    Eigen::VectorXd sizes(d);
-    for (Index i = 0; i < d; ++i) sizes[i] = std::pow(kappa, -double(i) / double(std::max<Index>(d - 1, 1)));
-    Rows out{A * sizes.asDiagonal() * V.transpose(), Eigen::VectorXd(rows)};
-    for (Index k = 0; k < rows; ++k) out.y[k] = out.psi.row(k).sum() + seed.bell() / 8;
-    return out;
-}
-template <class T>
-Problem<T> problem(Index d, double forgetting, double variance) {
-    return {.size = d, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(variance)}};
-}
-
 /// Scaled by powers of two, the prior along: every stored number is the other times its power of two.
 template <class F>
 void expect_units_change_no_bit(Index d, double lambda) {
     using T = typename F::scalar;
-    Rows const data = rotated(d, 8 * d, 1000, Seed{7});
+    Seed seed{7};
     Vector<T> size(d);
     for (Index i = 0; i < d; ++i) size[i] = T(std::ldexp(1.0, int(5 * i) - 7));
-    Problem<T> const natural = problem<T>(d, lambda, 4096);
+    Problem<T> const natural{.size = d, .forgetting = T(lambda), .prior = Prior<T>{.variance = T(4096)}};
     Problem<T> scaled = natural;
     scaled.prior->covariance = Matrix<T>::Zero(d, d).eval();
     for (Index i = 0; i < d; ++i) (*scaled.prior->covariance)(i, i) = T(4096) / (size[i] * size[i]);
     F a(natural), b(scaled);
-    for (Index k = 0; k < data.psi.rows(); ++k) {
+    for (Index k = 0; k < 8 * d; ++k) {
         Vector<T> psi(d), times(d);
-        for (Index i = 0; i < d; ++i) psi[i] = T(data.psi(k, i)), times[i] = psi[i] * size[i];
-        Step<T> const x = a.update(psi, T(data.y[k])), y = b.update(times, T(data.y[k]));
+        double const common = seed.bell();
+        for (Index i = 0; i < d; ++i) psi[i] = T(common + seed.bell() / 8), times[i] = psi[i] * size[i];
+        T const output = T(common + seed.bell() / 8);
+        Step<T> const x = a.update(psi, output), y = b.update(times, output);
         EXPECT_TRUE(x.innovation == y.innovation && x.gamma == y.gamma && x.residual == y.residual) << F::name << k;
         Stored<T> const P = a.stored(), Q = b.stored();
         for (Index j = 0; j < d; ++j) {
@@ -327,17 +307,14 @@ void expect_units_change_no_bit(Index d, double lambda) {
     }
 }
 TEST(Units, OfPowersOfTwoChangeNoBitOfJosephsProducts) {
-    auto const in = []<class T>() {
+    for_each(TypeList<double, float, BFloat16>{}, []<class T>() {
         for (Index const d : {1, 2, 4, 9})
             for (double const lambda : {1.0, 0.96875}) {
                 expect_units_change_no_bit<Joseph<T>>(d, lambda);
                 expect_units_change_no_bit<JosephRankTwo<T>>(d, lambda);
                 expect_units_change_no_bit<Symmetric<T>>(d, lambda);
             }
-    };
-    in.template operator()<double>();
-    in.template operator()<float>();
-    in.template operator()<BFloat16>();
+    });
 }
 
 }  // namespace
