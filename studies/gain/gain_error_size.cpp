@@ -5,6 +5,7 @@
 #include <rlslab/reference/definiteness.hpp>
 
 #include <cmath>
+#include <fmt/format.h>
 
 namespace rlslab::studies {
 namespace {

@@ -150,7 +150,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (auto const& [variant, in_short, run] : arrangements) {
         if (crossed && (in_short != only_gain || (variant != "symmetric" && variant != "joseph"))) continue;
         if (p_P == 53 && in_short == only_gain) continue;
-        auto const stored_with = [&](int p_K) {
+        auto const stored_with = [&, run = run](int p_K) {
             return run(rounded, psi, y, p_K).mapped<Reference>([](T const& x) { return Reference(double(x)); });
         };
         double const floor = error_of(exact.covariance_digits(stored_with(p_P)));

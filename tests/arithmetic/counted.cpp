@@ -156,7 +156,7 @@ public:
     friend Ordered operator*(Ordered const& a, Ordered const& b) { return {a.value_ * b.value_, true}; }
     friend Ordered operator/(Ordered const& a, Ordered const& b) { return {a.value_ / b.value_, true}; }
     friend Ordered operator+(Ordered&& a, Ordered&& b) { return both(a, b, a.value_ + b.value_); }
-    friend Ordered operator-(Ordered&& a, Ordered&& b) { return both(a, b, a.value_ - b.value_); }
+    [[maybe_unused]] friend Ordered operator-(Ordered&& a, Ordered&& b) { return both(a, b, a.value_ - b.value_); }
     friend Ordered operator*(Ordered&& a, Ordered&& b) { return both(a, b, a.value_ * b.value_); }
     friend Ordered operator/(Ordered&& a, Ordered&& b) { return both(a, b, a.value_ / b.value_); }
     friend Ordered operator-(Ordered const& a) { return {-a.value_, a.rounded_}; }

@@ -256,7 +256,7 @@ Tally of_a_row(Index d) {
     F form({.size = d, .forgetting = Counted<double>(0.96875)});
     Tally last;
     for (auto const& [u, y] : samples(4 * d, 2))
-        last = counted([&] { form.update(Counted<double>(u), Counted<double>(y)); });
+        last = counted([&, u = u, y = y] { form.update(Counted<double>(u), Counted<double>(y)); });
     return last;
 }
 TEST(Fast, EachTapCostsWhatThePageSays) {

@@ -3,7 +3,6 @@
 
 #include <rlslab/studies/factors.hpp>
 
-
 #include <fmt/format.h>
 #include <fstream>
 #include <mutex>
@@ -219,7 +218,8 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
     arena.execute([&] {
         tbb::parallel_for_each(work.begin(), work.end(), [&](Work const& one) {
-            auto const [run, k] = one;
+            Running* const run = one.first;
+            size_t const k = one.second;
             TrialOutput measured(run->trials[k]);
             named_where_it_throws(
                 fmt::format("study {}, trial {}", run->study->name, csv_line(run->trials[k].values())), [&] {

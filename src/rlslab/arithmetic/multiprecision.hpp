@@ -32,7 +32,10 @@ struct Encoding<Reference> {
     static bool read(std::byte const* from, Reference& x) { return Bytes::read(from, x.backend().data()); }
 };
 
-inline bool is_finite(Rational const&) { return true; }
+template <>
+inline bool is_finite(Rational const&) {
+    return true;
+}
 
 /// The same number in the Reference arithmetic, exactly: every arithmetic of the lab has at most 257 bits.
 inline Reference widen(Reference const& x) { return x; }
