@@ -26,8 +26,8 @@ TEST(VariablePrecision, ThePrecisionIsTheThreadsAndComesBack) {
         EXPECT_EQ(double(VariablePrecision(257.0)), 256);
     }
     EXPECT_EQ(PrecisionScope::bits(), 53);
-    EXPECT_THROW(PrecisionScope(1), std::invalid_argument);
-    EXPECT_THROW(PrecisionScope(54), std::invalid_argument);
+    EXPECT_THROW(PrecisionScope const scope(1), std::invalid_argument);
+    EXPECT_THROW(PrecisionScope const scope(54), std::invalid_argument);
 }
 
 void expect_the_bits_of(CatalogueEntry const* other, CatalogueEntry const& e, Records const& records) {

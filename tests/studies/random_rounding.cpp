@@ -76,7 +76,7 @@ TEST(RandomRounding, ANumberOfTheFormatStaysAndDrawsNothing) {
 TEST(RandomRounding, RulesOutOfRangeAreRefused) {
     for (RandomRounding const& rule :
          {RandomRounding{1, 4}, RandomRounding{54, 0}, RandomRounding{8, 46}, RandomRounding{8, -1}})
-        EXPECT_THROW(RandomRoundingScope{rule}, std::invalid_argument);
+        EXPECT_THROW(RandomRoundingScope const scope(rule), std::invalid_argument);
     EXPECT_EQ(RandomRoundingScope::rule().digits, 53);
 }
 
