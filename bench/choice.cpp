@@ -23,7 +23,7 @@ std::vector<Index> sizes_in(std::string const& list) {
         out.push_back(size);
     }
     std::ranges::sort(out);
-    out.erase(std::ranges::unique(out).begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
 }
 

@@ -101,8 +101,8 @@ std::string table_of_times(Run const& run) {
         if (row.solves_for_theta()) solving.insert(name);
     }
     if (names.empty()) throw std::runtime_error("expected rows update/VARIANT/double/SIZE in the run");
-    std::ranges::stable_partition(names,
-                                  [](std::string const& name) { return name.starts_with('`'); });  // dlib comes last
+    std::stable_partition(names.begin(), names.end(),
+                          [](std::string const& name) { return name.starts_with('`'); });  // dlib comes last
     std::string out = fmt::format("| ns an update, `double` | {} | taps at 48 kHz | at 16 kHz |\n{}\n",
                                   fmt::join(shown, " | "), "|---|---|---|---|---|---|---|---|---|---|");
     for (std::string const& name : names) {

@@ -11,6 +11,6 @@ void rolling(RollingRows<double> const& rows, RollingOptions const& options, Rol
 void rolling(RollingRows<float> const& rows, RollingOptions const& options, Rolled const& out) {
     rlslab::rolling(rows, options, out);
 }
-std::ptrdiff_t threads() { return detail::team.threads.load(std::memory_order_acquire); }
+std::ptrdiff_t threads() { return detail::threads_of_team(); }
 
 }  // namespace rlslab::native

@@ -38,19 +38,19 @@ struct Team {
     void (*run)(Index threads, void (*work)(void* with, Seat const&), void* with) = nullptr;
     void (*wait)(void* meeting) = nullptr;
 };
-inline Team team;
+inline Team the_team;
 inline void Seat::wait() const {
-    if (count > 1) team.wait(meeting);
+    if (count > 1) the_team.wait(meeting);
 }
 /// How many threads to share a block's work among. Room is made for so many, and in_team is given the same number.
-inline Index threads_of_team() { return team.threads.load(std::memory_order_acquire); }
+inline Index threads_of_team() { return the_team.threads.load(std::memory_order_acquire); }
 /// work(seat) in each of the threads, or in this one alone where the work is too small to share: less than some 10^6
 /// multiplications. Each result is one thread's: the bits are the same.
 template <class Work>
 void in_team(Index threads, double multiplications, Work work) {
     if (threads < 2 || multiplications < 1e6) work(Seat{});
     else
-        team.run(
+        the_team.run(
             threads, [](void* with, Seat const& seat) { (*static_cast<Work*>(with))(seat); }, &work);
 }
 

@@ -76,11 +76,11 @@ inline void run_team(Index threads, void (*work)(void*, Seat const&), void* with
 inline void use_threads(Index n) {
     expects(1 <= n && n <= 1024, "1 to 1024 threads");
     [[maybe_unused]] static bool const there = [] {
-        detail::team.run = detail::run_team;
-        detail::team.wait = [](void* meeting) { static_cast<detail::Meeting*>(meeting)->wait(); };
+        detail::the_team.run = detail::run_team;
+        detail::the_team.wait = [](void* meeting) { static_cast<detail::Meeting*>(meeting)->wait(); };
         return true;
     }();
-    detail::team.threads.store(n, std::memory_order_release);
+    detail::the_team.threads.store(n, std::memory_order_release);
 }
 
 }  // namespace rlslab
