@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Made JSON: Google Benchmark writes NaN and Infinity for the relative scatter of times that are 0. They become null.
+/// Google Benchmark writes NaN and Infinity, which JSON has not, for the scatter of times that are 0: they become null.
 Json parsed(std::string const& text) {
     static std::regex const not_finite("(: *)-?(NaN|nan|Infinity|inf)(?=[,\\s}])");
     return Json::parse(std::regex_replace(text, not_finite, "$1null"));

@@ -212,7 +212,7 @@ Statistic cost_of_a_small_start(std::string const& end) {
 }
 Selection feedback(double from, double to) { return where("part", "feedback").where("lambda", between(from, to)); }
 Selection digits_at(double lambda) { return where("part", "digits").where("lambda", lambda); }
-/// Digits of one form less those of another.
+/// Judges the digits of one form less those of another.
 Judge compared(char const* form, char const* than, double low, double high) {
     Statistic const more = number("digits").on(where("form", form)) - number("digits").on(where("form", than));
     return labelled(form, within(digits_at(0.96875), {"pole", "bits", "energy"}, more, low, high));

@@ -1,6 +1,7 @@
-// What the tests of adapt/ share: rows, P of a filter, comparisons.
+// What the tests of adapt/ share: rows, P of a filter, comparisons, and the law that states go on.
 #pragma once
 
+#include "tests/common/same.hpp"
 #include "tests/common/states.hpp"
 
 #include <rlslab/core/random.hpp>
@@ -55,6 +56,18 @@ bool identical(F const& a, F const& b) {
     return x.F == y.F && x.D == y.D && a.theta() == b.theta();
 }
 
+/// What no theta shows: intervals and their share, certificates.
+template <class F>
+void expect_the_same_reports(F const& f, F const& g) {
+    if constexpr (requires { f.share(); }) {
+        EXPECT_EQ(f.interval(Index(1)).high, g.interval(Index(1)).high);
+        EXPECT_EQ(f.share(), g.share());
+    }
+    if constexpr (requires { f.certificate(); }) {
+        auto const a = f.certificate(), b = g.certificate();
+        EXPECT_TRUE(same(a.estimate, b.estimate) && same(a.bound, b.bound) && same(a.theta, b.theta));
+    }
+}
 /// Two filters through take(f, rows, seed): one loaded from the other goes on with its bits; damaged bytes are refused.
 template <class F, class Take>
 void check_state(F const& saved, F const& other, Take take) {
@@ -66,6 +79,7 @@ void check_state(F const& saved, F const& other, Take take) {
     take(f, 60, Seed{2}), take(g, 60, Seed{2});
     EXPECT_EQ(state_of(f), state_of(g));
     EXPECT_TRUE(f.theta() == g.theta());
+    expect_the_same_reports(f, g);
     int accepted = 0;
     states::each_damaged(bytes, [&](states::Bytes const& wrong) { accepted += load(g, wrong) == StateFault::none; });
     EXPECT_EQ(accepted, 0);

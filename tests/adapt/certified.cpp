@@ -334,6 +334,8 @@ template <class T>
 void check_lanes_apart(double lambda, int rows_in_all) {
     using P = Pack<T, 8>;
     using Alone = Guarded<Certified<Ud<T, 3>>>;
+    Certified<Ud<P, 3>> bare_packs({.size = 3, .forgetting = P(T(lambda))});
+    std::vector<Certified<Ud<T, 3>>> bare(8, Certified<Ud<T, 3>>({.size = 3, .forgetting = T(lambda)}));
     Guarded<Certified<Ud<P, 3>>> packs({.size = 3, .forgetting = P(T(lambda))});
     std::vector<Alone> alone(8, Alone({.size = 3, .forgetting = T(lambda)}));
     P added(T(0));
@@ -348,17 +350,21 @@ void check_lanes_apart(double lambda, int rows_in_all) {
             for (int i = 0; i < 3; ++i) psi[i].set(lane, one[i]);
             y.set(lane, out);
             if (k == 150 && lane == 4) inflate(alone[4].form(), T(0.5), Regressor<T>(one));
-            alone[size_t(lane)].update(one, out);
+            alone[size_t(lane)].update(one, out), bare[size_t(lane)].update(one, out);
         }
         if (k == 150) inflate(packs.form(), added, Regressor<P>(psi));
-        packs.update(psi, y);
+        packs.update(psi, y), bare_packs.update(psi, y);
         if (k % 25 != 24) continue;
-        auto const found = packs.certificate();
+        auto const found = packs.certificate(), found_bare = bare_packs.certificate();
         for (int lane = 0; lane < 8; ++lane) {
             Certificate<double> const of = alone[size_t(lane)].certificate();
-            EXPECT_TRUE(same(found.estimate[lane], of.estimate) && same(found.bound[lane], of.bound)) << k << lane;
-            EXPECT_TRUE(same(found.theta[lane], of.theta) && found.definite[lane] == of.definite) << k << lane;
+            EXPECT_TRUE(same(found.estimate[lane], of.estimate) && same(found.bound[lane], of.bound))
+                << k << " " << lane;
+            EXPECT_TRUE(same(found.theta[lane], of.theta) && found.definite[lane] == of.definite) << k << " " << lane;
             EXPECT_EQ(of.ended, lane == 4 && k > 150);
+            Certificate<double> const without = bare[size_t(lane)].certificate();
+            EXPECT_TRUE(same(found_bare.bound[lane], without.bound) && same(found_bare.theta[lane], without.theta))
+                << k;
         }
     }
     EXPECT_EQ(alone[3].counts().changes, 1);

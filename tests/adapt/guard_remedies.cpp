@@ -75,9 +75,9 @@ TEST(Remedies, AreNotCalledForWhereNothingBroke) {
     }
 }
 
+using Roots = TypeList<Qr<double>, Gentleman<double>, Information<double>>;
 /// Without a prior, and 100 rows in which columns depend but for rounding: theta was 1e14 there, "sound", and the first
 /// change brought it back.
-using Roots = TypeList<Qr<double>, Gentleman<double>, Information<double>>;
 struct Start {
     char const* what;
     std::function<void(Seed&, double (&)[3])> row;

@@ -112,7 +112,8 @@ TEST(Complex, IsTheRealFilterOfTwiceTheSize) {
             }
     });
     EXPECT_LE((from_the_real_filter<Plain<C, Broken::nothing>>(4, 41, true)), budget(4));
-    for_each(BrokenFilters<C>{}, []<class F>() { EXPECT_GT(from_the_real_filter<F>(4, 41, true), budget(4)); });
+    for_each(BrokenFilters<C>{},
+             []<class F>() { EXPECT_GT(from_the_real_filter<F>(4, 41, true), budget(4)) << typeid(F).name(); });
 }
 
 TEST(Complex, BlocksAreTheirRows) {

@@ -11,7 +11,7 @@ namespace rlslab {
 namespace {
 
 std::vector<std::string> lines_by(std::string const& command) {
-    files::Ran const ran = files::shell(command);
+    files::Ran const ran = files::shell("( " + command + " ) 2>/dev/null");
     EXPECT_EQ(ran.code, 0) << command;
     return files::lines_of(ran.text);
 }

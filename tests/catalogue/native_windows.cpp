@@ -1,5 +1,5 @@
-// Windows and probes by name have the bits, the states and the counts of the C++ types; states of other compositions and
-// of no composition.
+// Windows and probes by name have the bits, the states and the counts of the C++ types; states of other compositions
+// and of no composition.
 #include <rlslab/catalogue/composed.hpp>
 #include "tests/catalogue/by_name.hpp"
 
@@ -49,6 +49,7 @@ void expect_certificate_alike(F typed, std::string_view variant, int rows) {
     EXPECT_EQ(found.theta, expected.theta) << variant;
     EXPECT_TRUE(found.definite && expected.definite) << variant;
     EXPECT_EQ(of_state.bound, found.bound) << variant;
+    EXPECT_EQ(of_state.theta, found.theta) << variant;
     EXPECT_EQ(saved(*filter), before) << variant << ": the filter stays as it was";
 }
 TYPED_TEST(NativeWindows, AndProbes) {

@@ -1,5 +1,5 @@
-// Helpers for tests of files: a folder that is removed with its test, what is in a file, a command of the shell, and the
-// message with which an action is refused.
+// Helpers for tests of files: a folder that is removed with its test, what is in a file, a command of the shell, and
+// the message with which an action is refused.
 #pragma once
 
 #include "tests/common/message.hpp"
@@ -65,7 +65,7 @@ inline Ran shell(std::string const& command) {
     out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return out;
 }
-inline bool there_is(std::string const& program) { return shell("command -v " + program).code == 0; }
+inline bool there_is(std::string const& program) { return shell(program + " --version").code == 0; }
 
 /// What it throws as Error, or "no error".
 template <class Error = InputError, class Action>

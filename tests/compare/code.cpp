@@ -125,8 +125,10 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records records, Coded
     records.y *= std::ldexp(1.0, coded.output_exponent);
     std::string out;
     Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
+    CatalogueEntry const* const entry = find_entry(coded.variant, coded.arithmetic);
+    if (!entry) return "no such entry";
     std::unique_ptr<AnyFilter> const filter =
-        c.options.composition.empty() ? find_entry(coded.variant, coded.arithmetic)->make(problem, Seed{1})
+        c.options.composition.empty() ? entry->make(problem, Seed{1})
                                       : composed(c.options.composition, coded.variant, coded.arithmetic, problem);
     for (Index k = 0; k < records.rows(); ++k) {
         filter->update(records.sample(k), records.y[k]);

@@ -241,6 +241,7 @@ TEST_F(CompareCommand, TakesMeansOff) {
     json const gap = compared("gap.csv --regressors u --output y --detrend");
     EXPECT_THAT(gap["code"].get<std::string>(), HasSubstr("(u less 3.6, y less 3.2)"));
     EXPECT_EQ(gap["data"]["skipped"], 2);
+    EXPECT_EQ(gap["data"]["rows"], 4);
 }
 
 /// tests/embedded links what is printed here, and runs it.

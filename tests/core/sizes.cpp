@@ -118,23 +118,23 @@ void expect_all_refused(std::string_view name, std::initializer_list<bool> refus
 template <class Fixed, class F>
 void check() {
     using P = Prior<double>;
-    P full{.theta = Vector<double>{{1, -0.5, 2}}};
-    full.covariance = Matrix<double>{{4.0, 1.0, 0.5}, {1.0, 3.0, 0.25}, {0.5, 0.25, 2.0}};
-    twins::Rows const rows = twins::taken({Seed{4}}, 20);
+    P full{.theta = Vector<double>{{1, -0.5, 2, 3}}};
+    full.covariance = Matrix<double>{{4.0, 1.0, 0.5, 0}, {1.0, 3.0, 0.25, 0}, {0.5, 0.25, 2.0, 0.5}, {0, 0, 0.5, 1.0}};
+    twins::Rows const rows = twins::taken({.seed = Seed{4}, .d = 4}, 50);
     for (std::optional<P> const& prior : {std::optional(P{}), std::optional(full), std::optional<P>()})
         if (prior || StartsWithoutPrior<F>) {
             auto const implied = twins::trace(Fixed({.forgetting = 0.96875, .prior = prior}), rows);
-            Problem<double> const given{.size = 3, .forgetting = 0.96875, .prior = prior};
+            Problem<double> const given{.size = 4, .forgetting = 0.96875, .prior = prior};
             twins::expect_one(F::name, implied, twins::trace(Fixed(given), rows));
             twins::expect_one(F::name, implied, twins::trace(F(given), rows));
         }
-    expect_all_refused(F::name, {is_refused<Fixed>({.size = 4}), is_refused<Fixed>({.size = -1}),
+    expect_all_refused(F::name, {is_refused<Fixed>({.size = 3}), is_refused<Fixed>({.size = -1}),
                                  is_refused<Fixed>({.prior = P{.theta = Vector<double>(2)}}),
                                  is_refused<Fixed>({.prior = P{.covariance = Matrix<double>(2, 2)}})});
 }
 TEST(FixedSize, ImpliesTheProblems) {
     for_each(Variants<double>{}, []<class F>() {
-        if constexpr (!std::is_void_v<AtSize<F, 3>>) check<AtSize<F, 3>, F>();
+        if constexpr (!std::is_void_v<AtSize<F, 4>>) check<AtSize<F, 4>, F>();
     });
 }
 TEST(FixedSize, IsNotImpliedForADynamicFilter) {

@@ -89,7 +89,7 @@ TEST(Complex, LawsWithoutToleranceInBfloat16) { bitwise_laws<Chopped<bfloat16>>(
 TEST(Complex, LawsWithoutToleranceFindTheirSaboteurs) {
     using C = Complex<double>;
     EXPECT_TRUE((turns_with_i<Plain<C, Broken::nothing>>(3, true)));
-    for_each(BrokenFilters<C>{}, []<class F>() { EXPECT_FALSE(turns_with_i<F>(3, true)); });
+    for_each(BrokenFilters<C>{}, []<class F>() { EXPECT_FALSE(turns_with_i<F>(3, true)) << typeid(F).name(); });
     EXPECT_FALSE(
         (is_real_for_real_data<Plain<C, Broken::nothing>>(9, 1)));  // other order of sums than the real filter's
 }

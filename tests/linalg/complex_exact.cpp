@@ -90,7 +90,7 @@ TEST(ComplexExact, IsTheRealFilterOfTwiceTheSize) {
     EXPECT_TRUE((is_the_real_filter<Plain<C, Broken::nothing>>()));
 }
 TEST(ComplexExact, WhichFindsEachMissingConjugate) {
-    for_each(BrokenFilters<C>{}, []<class F>() { EXPECT_FALSE(is_the_real_filter<F>()); });
+    for_each(BrokenFilters<C>{}, []<class F>() { EXPECT_FALSE(is_the_real_filter<F>()) << typeid(F).name(); });
 }
 
 /// Law 5: X theta = b and X K = psi for X = lambda^n P0^-1 + sum lambda^(n-k) psi psi', b = lambda^n P0^-1 theta0 + sum

@@ -1,4 +1,4 @@
-// Complex outputs: the same.
+// Fleets of several complex outputs are complex filters, bit for bit.
 #include "tests/many/output_fleet.hpp"
 
 #include <complex>

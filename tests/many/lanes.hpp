@@ -38,7 +38,10 @@ Rule<T> chosen() {
     else if constexpr (requires(Rule<T> r) { r.ridge; }) return {.ridge = T(0.5)};
     else if constexpr (requires(Rule<T> r) { r.period; }) return {.period = 7, .variance = T(50)};
     else if constexpr (requires(Rule<T> r) { r.variance; }) return {.variance = T(0.015625)};
-    else return {};
+    else {
+        static_assert(std::same_as<Rule<T>, ConstantForgetting<T>>, "numbers for a new rule");
+        return {};
+    }
 }
 template <template <class, int> class V, template <class> class Rule, int N>
 struct Ruled {

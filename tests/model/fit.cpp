@@ -173,7 +173,7 @@ TEST(FitOfNist, FilipInBalls) {
         EXPECT_NEAR(s.scatter.sd[i] / std::sqrt(static_cast<double>(rational.inverse(i, i))), 1, 1e-12) << i;
 }
 
-/// Their exact solutions.
+/// NIST's exact solutions.
 Vector<double> solution(std::string const& name, std::string const& which = "theta") {
     static auto const all = nlohmann::json::parse(std::ifstream(nist_folder / "solutions.json"));
     auto const text = all.at(name).at(which).get<std::vector<std::string>>();

@@ -167,7 +167,7 @@ std::vector<std::string> compilers() {
     return out;
 }
 std::string output_of(std::string const& command) {
-    files::Ran const ran = files::shell(command);
+    files::Ran const ran = files::shell("( " + command + " ) 2>/dev/null");
     EXPECT_EQ(ran.code, 0) << command;
     return ran.text;
 }

@@ -132,7 +132,9 @@ TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
 }
 TEST_F(Program, ListsWhatThereIsAndHelps) {
     json const list = json::parse(shell("rlslab list --json").out);
-    EXPECT_EQ(list["variants"].size(), rlslab::one_entry_each().size());
+    std::set<std::string_view> variants;  // not by one_entry_each, which the list is made of
+    for (rlslab::CatalogueEntry const& entry : rlslab::catalogue()) variants.insert(entry.variant);
+    EXPECT_EQ(list["variants"].size(), variants.size());
     EXPECT_EQ(list["arithmetics"].size(), rlslab::arithmetics().size());
     EXPECT_TRUE(list["studies"].is_array());
     std::string const text = shell("rlslab list").out;

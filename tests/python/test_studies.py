@@ -57,6 +57,7 @@ def test_what_is_refused():
         lambda: rlslab.study(3),
         lambda: rlslab.sweep(X, y, {"forgetting": [2]}),
         lambda: rlslab.sweep(X, y, {"forgetting": [1]}, row_orders=True),
+        lambda: rlslab.sweep(X, y, {"forgetting": []}),
         lambda: rlslab.sweep(X, y, {"order": [1, 2]}),
         lambda: rlslab.sweep(X, y[:3], {}),
         lambda: rlslab.sweep(X, y, [1]),

@@ -121,6 +121,12 @@ TEST(ReferencePromise, ChangesAreRelativeToTheSecond) {
     EXPECT_DOUBLE_EQ(relative_change(b, a, Vector<double>{{1.0, 2.0}}), 8 / std::sqrt(73.0));
     EXPECT_EQ(relative_change(a, zero), std::numeric_limits<double>::infinity());
     EXPECT_EQ(relative_change(zero, zero), 0);
+    // The bias by a prior: one parameter, M = 1, b = 1; theta = 1 without it and 1 / (1 + 1/c^2) with it.
+    Records const data{.psi = Eigen::MatrixXd::Ones(1, 1), .y = Vector<double>::Ones(1), .names = {}};
+    auto const at = [&](Problem<double> const& problem) { return certified(problem, data, {1}).front(); };
+    CertifiedSolution const without = at({.size = 1, .prior = std::nullopt});
+    EXPECT_NEAR(relative_change(at({.size = 1, .prior = Prior<double>{.variance = 3}}), without), 0.25, 1e-15);
+    EXPECT_NEAR(relative_change(at({.size = 1}), without), 1 / 16385.0, 1e-19);
     CertifiedSolution const none(1, 2, 0, Status::unresolved);
     EXPECT_TRUE(std::isnan(relative_change(none, a)) && std::isnan(relative_change(a, none)));
     EXPECT_THROW(relative_change(a, b, Vector<double>{{1.0}}), std::invalid_argument);

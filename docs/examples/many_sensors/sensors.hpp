@@ -6,6 +6,7 @@
 #include <rlslab/variants/ud.hpp>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>

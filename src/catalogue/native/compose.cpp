@@ -1,8 +1,4 @@
-// The variants and their compositions in one arithmetic, RLSLAB_NATIVE: float or double; or the 257 bits that these are
-// measured by, whose header RLSLAB_WIDE names.
-#ifdef RLSLAB_WIDE
-#include RLSLAB_WIDE
-#endif
+// The variants and their compositions in one arithmetic, RLSLAB_NATIVE: float or double.
 #include <rlslab/catalogue/native/composing.hpp>
 
 namespace rlslab {

@@ -58,7 +58,7 @@ inline constexpr Index largest_on_a_board = 64;
 std::string code(Comparison const& comparison, CodedFilter const& filter, std::string_view word = "cpp");
 /// Of the one that keeps the wanted digits, or without them of the recommended one; "" where there is none.
 std::string code(Comparison const& comparison, std::string_view word = "cpp");
-/// Code in lines of at most `width` letters where it has blanks: a comment goes on as one over the lines of it.
+/// Code in lines of at most `width` letters where it has blanks: a comment and the lines that continue it go on as one.
 std::string folded(std::string const& code, size_t width);
 
 }  // namespace rlslab::compare

@@ -25,11 +25,11 @@ struct ArithmeticTrial {
     ArithmeticTrial& operator=(ArithmeticTrial&&) = default;
 
     std::string arithmetic;
-    std::vector<int> exponents;  ///< regressor i was taken times 2^exponents[i]; empty: the columns as they are
-    int output_exponent = 0;     ///< likewise y
-    std::vector<bool> is_zero;   ///< parameters of 0 in least squares: below 1e-38 of the largest, in regressors' units
-    Comparison comparison{};     ///< of the columns as they were taken
-    bool in_range = true;        ///< whether the stored prior and lambda are positive and finite there
+    std::vector<int> exponents;     ///< regressor i was taken times 2^exponents[i]; empty: the columns as they are
+    int output_exponent = 0;        ///< likewise y
+    std::vector<bool> is_zero;      ///< least-squares value 0: below 1e-38 of the largest, in units of the regressors
+    Comparison comparison{};        ///< of the columns as they were taken
+    bool in_range = true;           ///< whether the stored prior and lambda are positive and finite there
     std::vector<KeptDigits> sound;  ///< variants that never broke down, as they are recommended (answer.hpp)
     double wanted = 0;              ///< digits
 

@@ -17,7 +17,7 @@ namespace {
 Json number(std::optional<double> const& x, char const* format) {
     return x && std::isfinite(*x) ? Json::parse(fmt::format(fmt::runtime(format), *x + 0.0)) : Json();
 }
-/// A digit count is rounded to three decimals: more than its meaning, so few that every machine prints the same.
+/// A digit count is rounded to three decimals: more than its meaning, yet few: every machine prints the same.
 Json digits_json(std::optional<double> const& digits) {
     return number(digits ? std::round(*digits / 1e-3) * 1e-3 : digits, "{:.3f}");
 }

@@ -129,11 +129,11 @@ Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::ui
 /// have few bits, so that whole numbers stay whole numbers of few bits.
 Records drawn(Records records, size_t draw);
 
-/// Draws are taken four at a time, until `settled`; at most 16, and as many as make 2^17 rows. One with a composition.
+/// Draws are taken four at a time, until `settled`; at most 16, and no more than make 2^17 rows. One with a composition.
 inline constexpr size_t draws_at_a_time = 4;
 size_t most_draws(Index rows, CompareOptions const& options = {});
 
-/// Whether a draw could change what is named: a form for single rows that never broke down, losing two digits at most.
+/// Whether a further draw could change what is named: a form for single rows, never broken, two digits lost at most.
 bool is_contender(Result const& result, std::vector<Result const*> const& sound);
 
 /// Whether the draws tell enough. `runs` are those of `results`, entry by entry, of one arithmetic; `before` is what

@@ -4,6 +4,7 @@
 #include "src/lab/compare/prior_law.hpp"
 #include "src/lab/compare/composed_score.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/input/constant.hpp>
 #include <rlslab/model/doubts.hpp>
 #include <rlslab/model/outliers.hpp>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace rlslab::compare {
 namespace {

@@ -48,7 +48,7 @@ public:
     double covariance_error(Stored<Reference> const& stored) const;
 };
 
-/// min over orthogonal Q of |R - Q R^|_F, and a Q that attains it: R R^''s polar factor. Square matrices of one size.
+/// min over orthogonal Q of |R - Q R^|_F, and a Q that attains it: the polar factor of R R^'. Square, of one size.
 struct Procrustes {
     Reference distance;
     Matrix<Reference> Q;

@@ -44,7 +44,7 @@ public:
     Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
     Trials const& finished() const { return finished_; }
-    /// Appends a line. If the process is killed meanwhile, it is complete or its checksum is wrong. Throws InputError.
+    /// Appends a line: if the process is killed meanwhile, complete or with a wrong checksum. Throws InputError.
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 

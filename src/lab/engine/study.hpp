@@ -96,7 +96,7 @@ struct Plot {
 /// The kinds of claims. Files and printed text call an own result "finding".
 enum class Kind {
     verification,  ///< the code does what the formula says; no result of ours
-    reproduction,  ///< an earlier number comes out again: published, a textbook's, or an earlier experiment's here
+    reproduction,  ///< an earlier number comes out again: published, a textbook's, or the project's own
     own_result     ///< ours
 };
 
@@ -134,7 +134,7 @@ enum class Verdict { fails, undecided, holds };
 struct Judgement {
     Verdict verdict;
     std::string measured;
-    double risk = 0;      ///< that the verdict errs, from the intervals behind it; 0: nothing random was estimated
+    double risk = 0;      ///< probability that the verdict errs, by the intervals behind it; 0: nothing was random
     bool proven = false;  ///< by a proof, which the claim names
 
     Judgement(Verdict verdict_, std::string measured_, double risk_ = 0)

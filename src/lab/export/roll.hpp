@@ -4,6 +4,8 @@
 
 #include "src/lab/export/lower.hpp"
 
+#include <limits>
+
 namespace rlslab::exporting {
 namespace detail {
 

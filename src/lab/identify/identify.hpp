@@ -205,7 +205,7 @@ struct PastInput {
     Index lag;           ///< of the largest correlation
     double correlation;  ///< at this lag
     double bound;        ///< 99 % bound of all lags of all inputs together
-    Index first_lag;     ///< first significant lag when all up to `lag` are in the equation; `lag` if none is
+    Index first_lag;     ///< first significant one with all up to `lag` in the equation; `lag`: none significant
 };
 
 /// The terms of the equation, and how they were chosen.
@@ -285,7 +285,7 @@ struct CuredParameter {
     double shift() const { return (least_squares - value) / sd; }  ///< of least squares
 };
 
-/// The equation's parameters by a method that coloured noise does not bias (coloured.hpp).
+/// The equation's parameters by a method that coloured noise does not bias (coloured.cpp).
 struct Cured {
     bool of_noise = false;                        ///< by a model of the noise; else by instruments
     int order = 0;                                ///< of the noise; or the further lags of each input

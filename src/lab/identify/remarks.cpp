@@ -209,7 +209,8 @@ Remark remark_on_delay(int input, int idle, Model m) {
             option, true};
 }
 
-/// What to do depends on the order without the pairs. None on a chosen one: white lower ones have a worse criterion.
+/// What to do depends on the order without the pairs. A chosen order has a better criterion than a lower one with white
+/// residuals: nothing is said of it.
 void remark_on_cancellations(Remarks& out, Model m) {
     if (m.cancellations.empty()) return;
     std::vector<std::string> pairs;

@@ -1,4 +1,4 @@
-// The program's command line: its commands, and the messages for lines that are no valid command.
+// The program's command line: its commands, the messages for lines that are no valid command; a run, and its signals.
 #include "src/lab/program/commands.hpp"
 #include "src/lab/program/definitions.hpp"
 #include "src/lab/program/run.hpp"
@@ -102,7 +102,7 @@ struct CommandLine {
                 refuse("{}: expected {}, found the option {}", name, option->get_type_name(), value);
         }
     }
-    /// CLI11 would drop it. A comma within quotes is part of a name.
+    /// CLI11 would drop it. Commas within quotes are part of a name (of several at once it keeps one).
     static bool has_an_empty_part(std::string const& list) {
         bool quoted = false;
         char before = ',';

@@ -23,8 +23,8 @@ void check_part(StudyRun const& run);
 std::string noted_run(std::string const& folder);
 /// Throws an InputError where the folder holds this file of another command.
 void expect_no_other_run(std::string const& folder, char const* file, char const* command);
-/// Runs the trials of run.part, and says so; `or_merge` follows "the same command without --part". Writes `text` as what
-/// the parts are of; throws InputError that the folder holds parts of `others` if another text stands there.
+/// Runs the trials of run.part, and says so; `or_merge` follows "the same command without --part". Writes `text` as
+/// what the parts are of; throws InputError that the folder holds parts of `others` if another text stands there.
 void run_one_part(std::vector<studies::Study const*> const& chosen, StudyRun const& run, std::string const& text,
                   char const* others, std::string const& or_merge);
 

@@ -105,7 +105,7 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 
-    // The labels decide the margins; where both axes have one unit, these decide the ranges, and those the labels.
+    // Labels decide the margins; where both axes have one unit, margins decide the ranges, and ranges the labels.
     Frame out{.axes = {x, y, {}},
               .left = {},
               .bottom = {},

@@ -50,7 +50,7 @@ std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i
 /// A curve: its band or bars, its line, its marks with tooltips; nothing outside the box.
 std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide,
                         Axes const& axes);
-/// Events, drawn over the curves. An upright line's text stands at an end and on a side without a curve, if any is.
+/// Events, drawn over the curves. An upright line's text stands at an end and side without a curve, if there is one.
 std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes);
 
 /// Cells of a heat map; they meet halfway between their places.

@@ -44,7 +44,7 @@ double digits_between(BallMatrix const& A, BallMatrix const& B, long bits) {
     return proven_digits(error);
 }
 
-/// A^-1 at this precision; false: not shown to be invertible.
+/// A^-1 at this precision, of finite numbers; false: not shown to be invertible.
 bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
     BallMatrix identity(A.rows(), A.cols());
     arb_mat_one(identity);
