@@ -1,5 +1,5 @@
-// The rlslab program as a person or a script uses it: what it prints, where, and with which exit code. Every result says
-// which run it is from; rlslab cite.
+// The rlslab program as a person or a script uses it: what it prints, where, and with which exit code. Every result
+// says which run it is from; rlslab cite.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/journal.hpp>
 #include "src/lab/program/bibliography.hpp"

@@ -129,7 +129,7 @@ Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::ui
 /// have few bits, so that whole numbers stay whole numbers of few bits.
 Records drawn(Records records, size_t draw);
 
-/// Draws are taken four at a time, until `settled`; at most 16, and no more than make 2^17 rows. One with a composition.
+/// Draws are taken four at a time, until `settled`; at most 16, and at most 2^17 rows in all. One with a composition.
 inline constexpr size_t draws_at_a_time = 4;
 size_t most_draws(Index rows, CompareOptions const& options = {});
 

@@ -14,7 +14,7 @@ namespace {
 
 using namespace balls;
 
-/// Of finite numbers. A triangle's determinant is its diagonal's product. 0: a zero there; 1: has none; -1: not a triangle.
+/// Finite numbers. A triangle's determinant is its diagonal's product. 0: has a zero; 1: has none; -1: not a triangle.
 template <class T>
 int triangle_is_regular(Matrix<T> const& F) {
     if (!F.isUpperTriangular(T(0)) && !F.isLowerTriangular(T(0))) return -1;
