@@ -230,7 +230,7 @@ TEST(Fixed, TheFormatMayBeAConstant) {
     EXPECT_EQ(widen(C(-0.5)), Reference(-0.5));
     EXPECT_FALSE(is_finite(widen(C(9.0))));
     for (FixedFormat const f : {FixedFormat{1, 0}, {49, 0}, {16, 16}, {16, -1}})
-        EXPECT_THROW(FixedScope const scope(f), std::invalid_argument);
+        EXPECT_THROW(FixedScope const refused(f), std::invalid_argument);
     EXPECT_EQ(FixedScope::format(), (FixedFormat{16, 12}));
 }
 TEST(Fixed, DataAreRoundedToNearestAndSaturated) {
