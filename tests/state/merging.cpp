@@ -3,6 +3,7 @@
 #include "tests/common/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <gtest/gtest.h>

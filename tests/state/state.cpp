@@ -137,7 +137,7 @@ TEST_P(EveryState, DISABLED_IsKept) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryState, testing::ValuesIn(catalogue()),
-                         [](auto const& info) { return laws::title(info.param); });
+                         [](auto const& of) { return laws::title(of.param); });
 
 // --- the format ------------------------------------------------------------------------------------------------------
 

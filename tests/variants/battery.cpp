@@ -102,7 +102,7 @@ TEST_P(Battery, MisuseThrowsAtTheDoor) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()),
-                         [](auto const& info) { return laws::title(info.param); });
+                         [](auto const& of) { return laws::title(of.param); });
 
 // --- saboteurs -------------------------------------------------------------------------------------------------------
 
