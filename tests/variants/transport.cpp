@@ -294,7 +294,7 @@ void expect_units_change_no_bit(Index d, double lambda) {
     for (Index k = 0; k < 8 * d; ++k) {
         Vector<T> psi(d), times(d);
         double const common = seed.bell();
-        for (Index i = 0; i < d; ++i) psi[i] = T(common + seed.bell() / 64), times[i] = psi[i] * size[i];
+        for (Index i = 0; i < d; ++i) psi[i] = T(common + seed.bell() / 1024), times[i] = psi[i] * size[i];
         T const output = T(common + seed.bell() / 8);
         Step<T> const x = a.update(psi, output), y = b.update(times, output);
         EXPECT_TRUE(x.innovation == y.innovation && x.gamma == y.gamma && x.residual == y.residual) << F::name << k;

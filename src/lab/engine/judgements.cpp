@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <limits>
 
 namespace rlslab::studies {
@@ -77,6 +78,11 @@ bool is_empty_or_has_nan(std::vector<double> const& v) {
 double as_it_is(double x) { return x; }
 double log_10(double x) { return correctly::log10(x); }
 double log_e(double x) { return correctly::log(x); }
+double mean_of(std::vector<double> const& v, double (*of)(double) = &as_it_is) {
+    double sum = 0;
+    for (double const x : v) sum += of(x) / double(v.size());
+    return v.empty() ? std::nan("") : sum;
+}
 
 }  // namespace
 
@@ -104,13 +110,7 @@ Statistic sum(std::string column) {
 }
 Statistic mean(std::string column) {
     return of_column(
-        std::move(column),
-        [](std::vector<double> v) {
-            double sum = 0;
-            for (double const x : v) sum += x / double(v.size());
-            return v.empty() ? std::nan("") : sum;
-        },
-        Estimate::middle);
+        std::move(column), [](std::vector<double> v) { return mean_of(v); }, Estimate::middle);
 }
 Statistic median(std::string column) { return of_column(std::move(column), &median, Estimate::middle); }
 Statistic least(std::string column) {
@@ -127,22 +127,15 @@ Statistic greatest(std::string column) {
 }
 Statistic ratio_of_errors(std::string variant, std::string other) {
     auto const mean_log = [](Table const& table, std::string const& of) {
-        std::vector<double> const errors = table.where("variant", of).numbers("error");
-        double sum = 0;
-        for (double const e : errors) sum += correctly::log10(e) / double(errors.size());
-        return errors.empty() ? std::nan("") : sum;
+        return mean_of(table.where("variant", of).numbers("error"), &log_10);
     };
     return [=](Table const& table) { return correctly::pow(10, mean_log(table, variant) - mean_log(table, other)); };
 }
 Statistic root_mean_square(std::string column) {
-    return of_column(
-        std::move(column),
-        [](std::vector<double> v) {
-            double sum = 0;
-            for (double const x : v) sum += x * x / double(v.size());
-            return std::sqrt(sum);
-        },
-        Estimate::quadratic);
+    auto const of = [](std::vector<double> v) {
+        return v.empty() ? 0 : std::sqrt(mean_of(v, [](double x) { return x * x; }));
+    };
+    return of_column(std::move(column), of, Estimate::quadratic);
 }
 
 Statistic share_of_groups(std::vector<std::string> by, std::function<bool(Table const& group)> holds) {
@@ -423,18 +416,10 @@ Judge Selection::each_judged(std::vector<std::string> by, Judge group) const {
         return together(all);
     });
 }
-std::function<bool(double)> at_most(double x) {
-    return [=](double y) { return y <= x; };
-}
-std::function<bool(double)> at_least(double x) {
-    return [=](double y) { return y >= x; };
-}
-std::function<bool(double)> below(double x) {
-    return [=](double y) { return y < x; };
-}
-std::function<bool(double)> above(double x) {
-    return [=](double y) { return y > x; };
-}
+std::function<bool(double)> at_most(double x) { return std::bind_front(std::greater_equal<double>(), x); }
+std::function<bool(double)> at_least(double x) { return std::bind_front(std::less_equal<double>(), x); }
+std::function<bool(double)> below(double x) { return std::bind_front(std::greater<double>(), x); }
+std::function<bool(double)> above(double x) { return std::bind_front(std::less<double>(), x); }
 std::function<bool(double)> between(double from, double to) {
     return [=](double y) { return from <= y && y <= to; };
 }
