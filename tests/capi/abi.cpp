@@ -10,12 +10,6 @@
 namespace rlslab {
 namespace {
 
-std::vector<std::string> lines_by(std::string const& command) {
-    files::Ran const ran = files::shell("( " + command + " ) 2>/dev/null");
-    EXPECT_EQ(ran.code, 0) << command;
-    return files::lines_of(ran.text);
-}
-
 struct Member {
     char const* name;
     std::size_t offset, size;
@@ -40,7 +34,8 @@ Member member(char const* name, X Structure::*which) {
 
 std::string symbols() {
     std::set<std::string> all;  // nm's order depends on the locale
-    for (std::string const& line : lines_by(RLSLAB_NM " -D --defined-only --format=posix " RLSLAB_LIBRARY))
+    for (std::string const& line :
+         files::lines_of(files::output_of(RLSLAB_NM " -D --defined-only --format=posix " RLSLAB_LIBRARY)))
         all.insert(line.substr(0, line.find_first_of("@ ")));
     all.erase("RLSLAB_1");  // the version itself
     std::string out;
@@ -111,7 +106,7 @@ TEST(Abi, IsAsRecorded) {
 TEST(Abi, NoLibraryComesWithItButTheRuntimeOfCpp) {
     std::set<std::string> needed;
     std::string soname;
-    for (std::string const& line : lines_by(RLSLAB_READELF " -dW " RLSLAB_LIBRARY)) {
+    for (std::string const& line : files::lines_of(files::output_of(RLSLAB_READELF " -dW " RLSLAB_LIBRARY))) {
         std::size_t const from = line.find('['), to = line.find(".so", from);
         if (line.find("(NEEDED)") != line.npos) needed.insert(line.substr(from + 1, to - from - 1));
         if (line.find("(SONAME)") != line.npos) soname = line.substr(from + 1, line.find(']') - from - 1);

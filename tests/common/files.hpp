@@ -65,6 +65,12 @@ inline Ran shell(std::string const& command) {
     out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return out;
 }
+/// Standard output alone, of a command that is expected to succeed.
+inline std::string output_of(std::string const& command) {
+    Ran const ran = shell("( " + command + " ) 2>/dev/null");
+    EXPECT_EQ(ran.code, 0) << command;
+    return ran.text;
+}
 inline bool there_is(std::string const& program) { return shell(program + " --version").code == 0; }
 
 /// What it throws as Error, or "no error".

@@ -166,11 +166,6 @@ std::vector<std::string> compilers() {
         if (files::there_is(name) && (out.empty() || out.back() != "clang-16")) out.push_back(name);
     return out;
 }
-std::string output_of(std::string const& command) {
-    files::Ran const ran = files::shell("( " + command + " ) 2>/dev/null");
-    EXPECT_EQ(ran.code, 0) << command;
-    return ran.text;
-}
 fs::path compiled(std::string const& compiler, std::string const& options, std::string const& source) {
     fs::path const program = folder() / (source + "." + compiler);
     std::string const compile = compiler + " -std=c99 -pedantic -Wall -Wextra -Werror " + options + " " +
@@ -182,7 +177,7 @@ fs::path compiled(std::string const& compiler, std::string const& options, std::
 std::map<std::string, std::string> run(std::string const& compiler, std::string const& options,
                                        std::string const& source) {
     fs::path const program = compiled(compiler, options, source);
-    std::istringstream lines(output_of(program.string() + " " + std::to_string(rows())));
+    std::istringstream lines(files::output_of(program.string() + " " + std::to_string(rows())));
     std::map<std::string, std::string> out;
     for (std::string name, patient, digest; lines >> name >> patient >> digest;) out[name + " " + patient] = digest;
     return out;
@@ -246,7 +241,7 @@ TEST_F(ExportedC, AnotherOperationLeavesOtherBits) {
         EXPECT_NE(run(compilers().front(), "-O1 -ffp-contract=off", "one.c"), whole) << becomes;
     }
     write(folder() / (c.name() + ".h"), header);
-    if (output_of("grep -c -w fma /proc/cpuinfo || true") == "0\n") return;
+    if (files::output_of("grep -c -w fma /proc/cpuinfo || true") == "0\n") return;
     EXPECT_NE(run("gcc", "-O2 -mfma -ffp-contract=fast", "one.c"), whole) << "operations were fused";
     EXPECT_EQ(run("gcc", "-std=gnu99 -O2 -mfma", "one.c"), whole) << "the header says so to gcc";
     if (files::there_is("clang-16")) {
@@ -352,7 +347,7 @@ int main(void) {
         std::string const expected =
             c.in_double ? with_type<double>(c, half_and_whole) : with_type<float>(c, half_and_whole);
         write(folder() / "half", expected.substr(0, expected.size() / 2));
-        EXPECT_EQ(output_of(program.string() + " < " + (folder() / "half").string()), expected) << name;
+        EXPECT_EQ(files::output_of(program.string() + " < " + (folder() / "half").string()), expected) << name;
     }
 }
 
@@ -380,7 +375,7 @@ TEST_F(ExportedC, NamesTheRulesOfMisraThatItBreaks) {
         write(folder() / (c.name() + ".h"), header);
         write(folder() / "misra.c", "#include \"" + c.name() + ".h\"\n");
         std::string const found =
-            output_of("cppcheck -q --std=c99 --addon=misra " + (folder() / "misra.c").string() + " 2>&1");
+            files::output_of("cppcheck -q --std=c99 --addon=misra " + (folder() / "misra.c").string() + " 2>&1");
         if (found.find("addon") != found.npos && found.find("misra-c2012") == found.npos) GTEST_SKIP() << found;
         std::set<std::string> rules, named;
         for (std::size_t at = 0; (at = found.find("misra-c2012-", at)) != found.npos; at += 12)
