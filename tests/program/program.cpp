@@ -3,6 +3,7 @@
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/studies/journal.hpp>
 #include "src/lab/program/bibliography.hpp"
+#include "src/lab/report/json.hpp"
 #include "tests/common/program.hpp"
 
 #include <nlohmann/json.hpp>
@@ -129,6 +130,12 @@ TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
         EXPECT_EQ(one, shell(command + "2").out) << file;
         EXPECT_EQ(one, shell(command + "2").out) << file;
     }
+}
+TEST(ReportJson, HasAValueForEachNameOrForNone) {
+    EXPECT_EQ(rlslab::report::object("a b", {1, "x"}).dump(), R"({"a":1,"b":"x"})");
+    EXPECT_EQ(rlslab::report::object("a b", {}).dump(), R"({"a":null,"b":null})");
+    EXPECT_THROW(rlslab::report::object("a b", {1}), std::invalid_argument);
+    EXPECT_THROW(rlslab::report::object("a", {1, 2}), std::invalid_argument);
 }
 TEST_F(Program, ListsWhatThereIsAndHelps) {
     json const list = json::parse(shell("rlslab list --json").out);

@@ -1,6 +1,8 @@
 // JSON as it is written here: objects from their names and values, lists from what each thing is made into.
 #pragma once
 
+#include <rlslab/core/misuse.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -12,12 +14,14 @@ namespace rlslab::report {
 
 using Json = nlohmann::ordered_json;
 
-/// {"name": value, ...}, blanks between the names; null without a value.
+/// {"name": value, ...}, blanks between the names: a value for each, or none, and all are null.
 inline Json object(std::string_view names, std::vector<Json> const& values) {
+    size_t const count = size_t(std::ranges::count(names, ' ')) + 1;
+    expects(values.empty() || values.size() == count, "a value for each name");
     Json out = Json::object();
     for (size_t at = 0, i = 0; at < names.size(); ++i) {
         size_t const end = std::min(names.find(' ', at), names.size());
-        out[std::string(names.substr(at, end - at))] = i < values.size() ? values[i] : Json();
+        out[std::string(names.substr(at, end - at))] = values.empty() ? Json() : values[i];
         at = end + 1;
     }
     return out;
