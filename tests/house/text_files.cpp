@@ -167,6 +167,16 @@ TEST(Readme, TheFirstTableIsWhatCompareShows) {
         EXPECT_EQ(compare::is_shown({}, entry->variant), ten < row && row < rest) << entry->variant;
     }
 }
+/// The ledger of formulas names what tests each of them.
+TEST(Theory, NamesTestsThatAre) {
+    std::string tests;
+    for (auto const& file : fs::recursive_directory_iterator(root / "tests"))
+        if (file.path().extension() == ".cpp") tests += files::read(file.path());
+    std::string const ledger = text_of("/docs/theory.md");
+    std::regex const name("`([A-Z]\\w+)\\.([A-Z]\\w+)`");
+    for (std::sregex_iterator it(ledger.begin(), ledger.end(), name), end; it != end; ++it)
+        EXPECT_NE(tests.find('(' + it->str(1) + ", " + it->str(2)), tests.npos) << it->str();
+}
 /// What a reader takes in at once.
 TEST(Readme, IsOnePage) {
     std::string const readme = text_of("/README.md");

@@ -55,19 +55,19 @@ TEST_F(DataFiles, AreReadInEveryForm) {
 }
 TEST_F(DataFiles, AColumnWhoseNameHoldsACommaStandsInQuotes) {
     std::ofstream file(folder / "comma.csv");
-    file << "\"u,1\",y\n";
+    file << "\"u,,1\",y\n";
     Seed seed{7};
     for (int k = 0; k < 60; ++k)
         file << std::round(1000 * seed.bell()) << ',' << std::round(1000 * seed.bell()) << '\n';
     file.close();
-    std::string const quoted = "'\"u,1\"' --output y";
+    std::string const quoted = "'\"u,,1\"' --output y";
     for (std::string const command : {"compare comma.csv --order 1 --input ", "identify comma.csv --order 1 --input ",
                                       "compare comma.csv --regressors "}) {
         Outcome const run = shell("rlslab " + command + quoted);
         EXPECT_LE(run.code, 1) << command << run.err;
-        EXPECT_THAT(run.out, testing::HasSubstr("u,1")) << command;
+        EXPECT_THAT(run.out, testing::HasSubstr("u,,1")) << command;
     }
-    refused("compare comma.csv --input '\"u,1' --output y --order 1", "comma.csv u,1 y");
+    refused("compare comma.csv --input '\"u,,1' --output y --order 1", "comma.csv u,,1 y");
 }
 TEST_F(DataFiles, AColumnAsMatlabNamesItNeedsNoQuotes) {
     write("matrix.csv", "\"x(:,2)\",y\n" + rows(60, [](int k) { return std::to_string(k * 5 % 13); }));

@@ -79,10 +79,14 @@ struct CommandLine {
         for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
         return out;
     }
-    /// CLI11 takes any word as a value, so that -1.5 can be one; an option of the same command was not meant as one.
-    void expect_values(std::vector<std::string> const& words) const {
+    /// The words as CLI11 is to take them: "--variants ud,qr" as "--variants=ud --variants=qr". It takes any word as a
+    /// value, so that -1.5 can be one; an option of the same command was not meant as one.
+    std::vector<std::string> with_lists_apart(std::vector<std::string> const& words) const {
+        std::vector<std::string> out;
         CLI::App const* taker = &app;
-        for (size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+        for (size_t i = 0; i < words.size(); ++i) {
+            out.push_back(words[i]);
+            if (words[i] == "--") return out.insert(out.end(), words.begin() + long(i) + 1, words.end()), out;
             if (taker == &app) {
                 auto const named =
                     std::ranges::find(commands, words[i], [](Command const& c) { return c.app->get_name(); });
@@ -94,24 +98,35 @@ struct CommandLine {
             bool const apart = name == words[i];
             if (apart && ++i == words.size()) break;
             std::string const value = apart ? words[i] : words[i].substr(name.size() + 1);
-            if (option->get_delimiter() == ',' && has_an_empty_part(value))
-                refuse("{}: expected {}, no part of it empty, found \"{}\"", name, option->get_type_name(),
-                       printable(value));
             if (apart && value.starts_with("--") &&
                 taker->get_option_no_throw(value.substr(0, value.find('='))) != nullptr)
                 refuse("{}: expected {}, found the option {}", name, option->get_type_name(), value);
+            bool const several = option->get_items_expected_max() > 1;
+            if (several && option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll && !value.empty()) {
+                out.pop_back();
+                for (std::string const& part : parts_of(value)) {
+                    if (part.empty())
+                        refuse("{}: expected {}, no part of it empty, found \"{}\"", name, option->get_type_name(),
+                               printable(value));
+                    out.push_back(name + '=' + part);
+                }
+            } else if (apart) out.push_back(value);
         }
+        return out;
     }
-    /// CLI11 would drop it. Commas within quotes are part of a name (of several at once it keeps one).
-    static bool has_an_empty_part(std::string const& list) {
+    /// "\"u,1\",v" is the two names u,1 and v, as in CSV; "x(:,2),v" the names x(:,2) and v.
+    static std::vector<std::string> parts_of(std::string const& list) {
+        std::vector<std::string> out{""};
         bool quoted = false;
-        char before = ',';
-        for (char const letter : list + ',') {
-            quoted ^= letter == '"';
-            if (!quoted && letter == ',' && before == ',') return !list.empty();  // the option itself refuses ""
-            before = quoted ? '"' : letter;
+        for (size_t i = 0; i < list.size(); ++i) {
+            std::string& part = out.back();
+            bool const last = i + 1 == list.size() || list[i + 1] == ',';
+            if (list[i] == '"' && (quoted ? last : part.empty())) quoted ^= true;
+            else if (list[i] == ',' && !quoted && !part.ends_with("(:")) out.emplace_back();
+            else part += list[i];
         }
-        return false;
+        if (quoted) out.back().insert(0, 1, '"');  // none closes it
+        return out;
     }
     /// What CLI11 found wrong, in our words.
     std::string complaint(CLI::ParseError const& error) const {
@@ -174,7 +189,7 @@ std::function<int()> parse(std::vector<std::string> words) {
     auto const line = std::make_shared<CommandLine>();
     CLI::App& app = line->app;
     if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; }))
-        line->expect_values(words);
+        words = line->with_lists_apart(words);
     std::ranges::reverse(words);  // CLI11 takes them from the back
     try {
         app.parse(std::move(words));

@@ -78,8 +78,8 @@ CLI::Option* OptionRow::define(CLI::App& command) const {
     if (!value_) return out;
     out->required(required_)->type_name(value_)->check(check_);
     if (given_ == Given::last) out->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    if (given_ == Given::listed) out->delimiter(',')->allow_extra_args(false);
-    if (given_ == Given::repeated) out->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+    if (given_ == Given::listed || given_ == Given::repeated) out->allow_extra_args(false);
+    if (given_ == Given::repeated) out->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     return out;
 }
 void define(CLI::App& command, std::initializer_list<OptionRow> rows) {
@@ -102,27 +102,6 @@ OptionRow folder_option(std::string& folder, char const* help) {
 
 CLI::Validator named(char const* expected) {
     return {[=](std::string& text) { return text.empty() ? fmt::format("expected {}", expected) : ""; }, ""};
-}
-
-std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
-    std::vector<std::string> out;
-    std::string whole;  // of a quoted name, from its quote mark on
-    for (std::string const& part : parts) {
-        if (whole.empty() && !out.empty() && out.back().ends_with("(:")) {
-            out.back() += ',' + part;
-            continue;
-        }
-        if (whole.empty() && !part.starts_with('"')) {
-            out.push_back(part);
-            continue;
-        }
-        whole += whole.empty() ? part : ',' + part;
-        if (whole.size() < 2 || !whole.ends_with('"')) continue;
-        out.push_back(whole.substr(1, whole.size() - 2));
-        whole.clear();
-    }
-    if (!whole.empty()) out.push_back(whole);
-    return out;
 }
 
 OptionRow time_option(std::string& column) {

@@ -21,10 +21,6 @@ CLI::Validator real(char const* expected, double least, double most = std::numer
 inline constexpr double above_zero = std::numeric_limits<double>::denorm_min();
 /// A check for a name that is not empty; its message is one line that says what was expected.
 CLI::Validator named(char const* expected);
-/// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV;
-/// "x(:,2),v" the columns x(:,2) and v.
-std::vector<std::string> unquoted(std::vector<std::string> const& parts);
-
 /// An option of a command as a row {name, variable, value, check, help}. The command line, its checks, help, manual and
 /// completion are made from it. A variable that is a list takes names in one word: it must not swallow FILE behind it.
 class OptionRow {

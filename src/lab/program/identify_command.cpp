@@ -264,11 +264,7 @@ Command identify_command(CLI::App& app) {
                 {"--json", a->json, "JSON instead of the table"}});
     define_undated(*c, a->dated);
     define(*c, {folder_option(a->out, "folder for model.html, model.json and, with a composition, tracked.csv")});
-    return {c, [a] {
-                a->options.inputs = unquoted(a->options.inputs),
-                a->options.regressors = unquoted(a->options.regressors);
-                return run_identify(*a);
-            }};
+    return {c, [a] { return run_identify(*a); }};
 }
 
 Command simulate_command(CLI::App& app) {

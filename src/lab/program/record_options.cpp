@@ -203,7 +203,6 @@ std::vector<std::string> names_before_lags(std::vector<std::string> words, DataF
 }
 
 Question question_of(RecordArguments a, std::optional<Columns>* kept) {
-    a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
     DataFile file{a.file, a.format};
     bool const known = kept && *kept;
     if (known) a.regressors = names_before_lags(a.regressors, (*kept)->names);
