@@ -98,6 +98,7 @@ struct CommandLine {
             bool const apart = name == words[i];
             if (apart && ++i == words.size()) break;
             std::string const value = apart ? words[i] : words[i].substr(name.size() + 1);
+            if (!apart && value.empty()) refuse("{}: expected {}, found nothing", name, option->get_type_name());
             if (apart && value.starts_with("--") &&
                 taker->get_option_no_throw(value.substr(0, value.find('='))) != nullptr)
                 refuse("{}: expected {}, found the option {}", name, option->get_type_name(), value);
