@@ -102,7 +102,7 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     for (Index k = 0; k < 500; ++k) EXPECT_EQ(name_of(cholesky.update(column(data.psi, k), data.y[k]).health), "sound");
     some.update_block(SparseRows(data.psi.leftCols(500)), data.y.head(500));
 
-#ifndef __SANITIZE_ADDRESS__  // which keeps what is freed
+#ifndef RLSLAB_SANITIZED  // which keeps what is freed
     EXPECT_LE(resident() - before, 200) << "MB";
 #endif
     EXPECT_LE(distance(cholesky.theta(), some.theta()), 1e8);  // 500 rows: the prior's 1e6, squared by one of them

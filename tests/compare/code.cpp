@@ -52,7 +52,8 @@ int main() {
     }
 }
 )",
-      RLSLAB_COMPILE " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-maybe-uninitialized main.cpp"}},
+      RLSLAB_COMPILE
+      " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-unknown-warning-option -Wno-maybe-uninitialized main.cpp"}},
     {"board",
      {"filter.cpp", R"(#include "filter.cpp"
 #include <cstdio>

@@ -122,9 +122,10 @@ template <class T, class Make>
 void check_large(char const* name, Part part, Make make) {
     using K = decltype(make(std::declval<Operands<T>&>()));
     for (Index from : {by_columns_from<K>.from, by_columns_from<K>.from_on_wide})
-        for (Index d : {from, from + 1, from + 2, from + 4, from + 11, from + 13, from + 14, from + 23})
+        for (Index more : {0, 1, 2, 4, 11, 13, 14, 23})
             for (Kind kind : {Kind::scaled, Kind::special})
-                if (from != never) check_one(name, Operands<T>(d, part, kind, Seed{std::uint64_t(d)}), kind, make);
+                if (from != never)
+                    check_one(name, Operands<T>(from + more, part, kind, Seed{std::uint64_t(from + more)}), kind, make);
 }
 
 /// make(operands) at every size, with numbers of every kind.

@@ -160,7 +160,7 @@ TEST(RowFile, ReadsAnyRowsAndNoOthers) {
 
 /// A process that may have 64 MB more than it has now folds a file of 160 MB, most of it a hole that reads as zeros.
 TEST(OutOfCore, AFileLargerThanMemoryIsFolded) {
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef RLSLAB_SANITIZED
     GTEST_SKIP() << "the sanitizer's own memory is beyond any limit";
 #else
     Records const records = laws::noise_records(31, 5000, Seed{54});

@@ -107,6 +107,7 @@ TEST(GainLaws, AnErrorAfterTheLastColumnReachesThetaAlone) {
 
 /// K_i (1 + eps r_i) wherever the running gain is used: its odd part in eps is the first-order term, exactly.
 TEST(GainLaws, ARelativeErrorOfTheRunningGain) {
+    Rational of_the_other_sign = 0;
     for (int n = 0; n < cases; ++n) {
         Case<Rational> const c(Seed{std::uint64_t(n)});
         auto const P = [&](Rational const& eps) {
@@ -114,8 +115,9 @@ TEST(GainLaws, ARelativeErrorOfTheRunningGain) {
         };
         Matrix<Rational> const odd = (P(Rational(1) / 8) - P(Rational(-1) / 8)) * Rational(4);  // over 2 eps
         EXPECT_EQ(largest<Rational>(odd - relative_in_sweep(c)), 0) << n;
-        EXPECT_NE(largest<Rational>(odd + relative_in_sweep(c)), 0) << n;
+        of_the_other_sign += largest<Rational>(odd + relative_in_sweep(c));  // 0 where psi has one number alone
     }
+    EXPECT_GT(of_the_other_sign, 1);
 }
 
 TEST(GainLaws, OneStepsSizeIsATrace) {

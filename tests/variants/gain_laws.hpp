@@ -78,7 +78,10 @@ struct Case {
     explicit Case(Seed seed, double along_K = 0) : size(2 + Index(seed.next() % 3)) {
         std::array<T, 4> const factors{T(1), T(49) / T(50), T(9) / T(10), T(7) / T(10)};
         lambda = factors[seed.next() % 4];
-        auto const fraction = [&seed] { return T(int(seed.next() % 19) - 9) / T(1 + int(seed.next() % 4)); };
+        auto const fraction = [&seed] {
+            T const above = T(int(seed.next() % 19) - 9);  // before the draw below, by every compiler
+            return above / T(1 + int(seed.next() % 4));
+        };
         Matrix<T> L(size, size);
         for (Index j = 0; j < size; ++j)
             for (Index i = 0; i < size; ++i) L(i, j) = fraction();
@@ -91,8 +94,10 @@ struct Case {
         K = f / s;
         P_next = (P - outer(f, f) / s) / lambda;
         delta = Vector<T>(size);
-        for (Index i = 0; i < size; ++i)
-            delta[i] = along_K != 0 ? T(along_K) * K[i] : K[i] * fraction() / T(5) + fraction() / T(50);
+        for (Index i = 0; i < size; ++i) {
+            delta[i] = along_K != 0 ? T(along_K) * K[i] : K[i] * fraction() / T(5);
+            if (along_K == 0) delta[i] += fraction() / T(50);
+        }
         // P = U D U' from the last column on, and the sweep's partial gains.
         Matrix<T> A = P, U = Matrix<T>::Identity(size, size);
         Vector<T> D(size), v = Vector<T>::Zero(size);

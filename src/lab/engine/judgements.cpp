@@ -163,13 +163,13 @@ Statistic Statistic::over(std::string replicate) const {
     return out;
 }
 Statistic Statistic::on(Selection rows) const {
-    return [of = *this, rows](Table const& table) { return of(rows(table)); };
+    return Statistic([of = *this, rows](Table const& table) { return of(rows(table)); }).over(replicate_);
 }
 Statistic operator-(Statistic a, Statistic b) {
-    return [=](Table const& table) { return a(table) - b(table); };
+    return Statistic([=](Table const& table) { return a(table) - b(table); }).over(a.replicate());
 }
 Statistic operator/(Statistic a, Statistic b) {
-    return [=](Table const& table) { return a(table) / b(table); };
+    return Statistic([=](Table const& table) { return a(table) / b(table); }).over(a.replicate());
 }
 
 namespace {

@@ -49,10 +49,10 @@ public:
     Statistic as(Estimate estimate) const;
     /// The same with another column of replicates.
     Statistic over(std::string replicate) const;
-    /// The same of these rows; a median over "replicate", also where this is over another column.
+    /// The same of these rows, as a median without bounds.
     Statistic on(Selection rows) const;
 };
-/// A number less another, or over it; over "replicate" the median. `x.on(rows) / x.on(others)`: of two kinds of rows.
+/// A number less another, or over it; over the replicates of the first the median. `x.on(rows) / x.on(others)`: of two kinds of rows.
 Statistic operator-(Statistic a, Statistic b);
 Statistic operator/(Statistic a, Statistic b);
 

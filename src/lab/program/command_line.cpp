@@ -45,9 +45,6 @@ struct CommandLine {
         for (Command const& command : commands) {
             command.app->formatter(app.get_formatter());
             define_output_options(*command.app);
-            for (CLI::Option* option : command.app->get_options())
-                if (takes_nothing(*option))
-                    option->disable_flag_override();  // --json=false would be no JSON: too clever
         }
     }
     /// Anywhere on the line: before the command and behind it.
@@ -94,14 +91,16 @@ struct CommandLine {
             }
             std::string const name = words[i].substr(0, words[i].find('='));
             CLI::Option const* const option = name.starts_with("--") ? taker->get_option_no_throw(name) : nullptr;
-            if (option == nullptr || takes_nothing(*option)) continue;
             bool const apart = name == words[i];
+            if (option != nullptr && takes_nothing(*option) && !apart) refuse("{}: expected no value behind it", name);
+            if (option == nullptr || takes_nothing(*option)) continue;
             if (apart && ++i == words.size()) break;
             std::string const value = apart ? words[i] : words[i].substr(name.size() + 1);
             if (!apart && value.empty()) refuse("{}: expected {}, found nothing", name, option->get_type_name());
             if (apart && value.starts_with("--") &&
                 taker->get_option_no_throw(value.substr(0, value.find('='))) != nullptr)
-                refuse("{}: expected {}, found the option {}", name, option->get_type_name(), value);
+                refuse("{}: expected {}, found the option {}", name, option->get_type_name(),
+                       value.substr(0, value.find('=')));
             bool const several = option->get_items_expected_max() > 1;
             if (several && option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll && !value.empty()) {
                 out.pop_back();
@@ -115,16 +114,18 @@ struct CommandLine {
         }
         return out;
     }
-    /// "\"u,1\",v" is the two names u,1 and v, as in CSV; "x(:,2),v" the names x(:,2) and v.
+    /// "\"u,1\",v" is the two names u,1 and v, as in CSV; "x(:,2),v" the names x(:,2) and v. Blanks around a part go.
     static std::vector<std::string> parts_of(std::string const& list) {
         std::vector<std::string> out{""};
         bool quoted = false;
         for (size_t i = 0; i < list.size(); ++i) {
             std::string& part = out.back();
-            bool const last = i + 1 == list.size() || list[i + 1] == ',';
-            if (list[i] == '"' && (quoted ? last : part.empty())) quoted ^= true;
+            size_t const next = list.find_first_not_of(' ', i + 1);
+            bool const last = next == list.npos || list[next] == ',';
+            if (quoted && list.compare(i, 2, "\"\"") == 0) part += list[i++];
+            else if (list[i] == '"' && (quoted ? last : part.empty())) quoted ^= true;
             else if (list[i] == ',' && !quoted && !part.ends_with("(:")) out.emplace_back();
-            else part += list[i];
+            else if (list[i] != ' ' || quoted || (!last && !part.empty())) part += list[i];
         }
         if (quoted) out.back().insert(0, 1, '"');  // none closes it
         return out;
@@ -137,8 +138,6 @@ struct CommandLine {
                                text.substr(at + 13, text.size() - at - 13 - missing.size()));
         if (size_t const at = text.find(": At Most 1 required"); at != text.npos)
             return text.substr(0, at) + ": expected once, found again";
-        if (size_t const at = text.find(" was given a disallowed flag override"); at != text.npos)
-            return "--" + text.substr(0, at) + ": expected no value behind it";
         if (!text.ends_with(required)) return text;
         std::string const name = text.substr(0, text.size() - required.size());
         auto const asked = app.get_subcommands().front();  // the program itself requires nothing
@@ -189,7 +188,8 @@ struct CommandLine {
 std::function<int()> parse(std::vector<std::string> words) {
     auto const line = std::make_shared<CommandLine>();
     CLI::App& app = line->app;
-    if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; }))
+    auto const end = std::ranges::find(words, "--");  // behind it stand names of files
+    if (std::none_of(words.begin(), end, [](std::string const& word) { return word == "--help" || word == "-h"; }))
         words = line->with_lists_apart(words);
     std::ranges::reverse(words);  // CLI11 takes them from the back
     try {

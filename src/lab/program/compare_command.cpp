@@ -88,7 +88,7 @@ int run_compare(CompareArguments const& a) {
     print(a.json  ? as_json(comparison)
           : a.csv ? as_csv(comparison)
                   : as_table(comparison, colour(), terminal_columns()) +
-                        (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
+                        (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", printable(a.out, 200))));
     if (comparison.digits) return comparison.digits->chosen() ? 0 : 1;
     return std::ranges::all_of(comparison.recommendations, [](Recommendation const& r) { return r.variant.empty(); });
 }
@@ -97,7 +97,8 @@ int run_compare(CompareArguments const& a) {
 
 Command compare_command(CLI::App& app) {
     auto const a = std::make_shared<CompareArguments>();
-    CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
+    CLI::App* const comparing =
+        app.add_subcommand("compare", "Every variant on a record, in float and double or the arithmetics named.");
     comparing->footer(
         "A record of the program:  rlslab compare --example longley\n"
         "An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"

@@ -82,11 +82,11 @@ int run_identify(IdentifyArguments a) {
         create_folder(a.out);
         replace_file(std::filesystem::path(a.out) / "model.json", as_json(model));
         replace_file(std::filesystem::path(a.out) / "model.html", as_page(model));
-        written = fmt::format("\n{0}/model.html, {0}/model.json", a.out);
+        written = fmt::format("\n{0}/model.html, {0}/model.json", printable(a.out, 200));
         if (model.tracked) {
             replace_file(std::filesystem::path(a.out) / "tracked.csv",
                          as_comments(*model.run) + tracked_csv(*model.tracked, parameter_names(model)));
-            written += fmt::format(", {}/tracked.csv", a.out);
+            written += fmt::format(", {}/tracked.csv", printable(a.out, 200));
         }
         written += "\n";
     }
@@ -230,7 +230,7 @@ Command identify_command(CLI::App& app) {
         "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
         "record that do not make sense.");
     IdentifyOptions& o = a->options;
-    OptionRow("FILE", a->file, "", file_with_missing_values).required().define(*c);
+    OptionRow("FILE", a->file, "", named("the name of a file"), file_with_missing_values).required().define(*c);
     define_format(*c, a->format);
     define(*c,
            {{"--input", o.inputs, "U[,V]", "column of the input, or several; none: y is predicted from its own past"},
@@ -296,7 +296,10 @@ Command excitation_command(CLI::App& app) {
         "Example:  rlslab excitation data.csv --input u\n\n"
         "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no "
         "sense.");
-    OptionRow("FILE", a->file, "", "CSV file (-: standard input), plain or by gzip, or MATLAB's").required().define(*c);
+    OptionRow("FILE", a->file, "", named("the name of a file"),
+              "CSV file (-: standard input), plain or by gzip, or MATLAB's")
+        .required()
+        .define(*c);
     define_format(*c, a->format);
     define(*c, {OptionRow("--input", a->input, "COLUMN", "column of the input").required(),
                 {"--max-order", a->most, "N", whole(1, 200), "the largest order that is tried; default 20"},

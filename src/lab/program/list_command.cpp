@@ -149,11 +149,10 @@ Command list_command(CLI::App& app) {
         "be there.\n\n"
         "Exit code: 0; 2 no study has these words.",
         program_name()));
-    listing->add_option("PART", *part, "variants, arithmetics, rounding, studies or claims; default: all but claims")
-        ->type_name("");
-    listing->add_option("WORD", *words, "behind studies: those about all these words, such as an author and a year")
-        ->type_name("");
-    listing->add_flag("--json", *json, "JSON instead of the tables");
+    define(*listing,
+           {{"PART", *part, "", "variants, arithmetics, rounding, studies or claims; default: all but claims"},
+            {"WORD", *words, "", "behind studies: those about all these words, such as an author and a year"},
+            {"--json", *json, "JSON instead of the tables"}});
     return {listing, [part, words, json] {
                 run_list(*part, *words, *json);
                 return 0;

@@ -193,10 +193,6 @@ std::vector<std::string> names_before_lags(std::vector<std::string> words, std::
     return words;
 }
 std::vector<std::string> names_before_lags(std::vector<std::string> words, DataFile& file) {
-    for (std::string& word : words) {
-        word.erase(0, word.find_first_not_of(' '));
-        word.erase(word.find_last_not_of(' ') + 1);
-    }
     bool const brackets = std::ranges::any_of(words, [](std::string const& word) { return word.ends_with(']'); });
     std::vector<std::string> const columns = brackets ? columns_among(words, file) : std::vector<std::string>();
     return names_before_lags(std::move(words), columns);

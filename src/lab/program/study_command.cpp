@@ -51,7 +51,9 @@ Record record_in(std::string const& path) {
     if (text.size() > most)
         refuse("--against: {}: expected a record of verdicts, found more than 16 MB", printable(path, 200));
     try {
-        return record_from(text);
+        Record const out = record_from(text);
+        if (out.empty()) refuse("expected a record of verdicts, found none in it");
+        return out;
     } catch (InputError const& error) {
         refuse("--against: {}: {}", printable(path, 200), printable(std::string(error.what()), 200));
     }
@@ -153,7 +155,8 @@ int study_whole(StudyArguments const& a) {
     text += listed("Changed against the recorded verdicts (of seed 1):", changed);
     text += listed("Verifications that fail:", broken);
     if (a.record.empty() && !a.known.empty()) text += listed("Not in the record:", unrecorded(outcomes, a.known));
-    if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
+    if (a.options.changed())
+        return print(text + fmt::format("tables, figures and the report are in {}\n", printable(a.out, 200))), 0;
     text += count_lines(outcomes);
     size_t undecided = 0;
     for (Count const& count : counted(outcomes)) undecided += count.undecided;
@@ -165,7 +168,7 @@ int study_whole(StudyArguments const& a) {
     }
     double const wrong = expected_errors(outcomes);
     text += fmt::format("{} of these verdicts are expected to be wrong\ntables, figures and the report are in {}\n",
-                        wrong < 0.01 ? "less than 0.01" : fmt::format("at most {:.2f}", wrong), a.out);
+                        wrong < 0.01 ? "less than 0.01" : fmt::format("at most {:.2f}", wrong), printable(a.out, 200));
     print(text);
     return changed.empty() && broken.empty() ? 0 : 1;
 }

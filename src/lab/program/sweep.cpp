@@ -263,7 +263,7 @@ int run_sweep(SweepArguments& a) {
     std::vector<Outcome> const outcomes = run_whole({&study}, a);
     if (noted_run(a.out) == text) std::filesystem::remove(a.options.out / ".trials" / "run.json");  // its parts are in
     print(fmt::format("{} trials, {} rows: {out}/sweep.csv, figures, and {out}/report.html\n", outcomes[0].trials,
-                      outcomes[0].table.rows().size(), fmt::arg("out", a.out)));
+                      outcomes[0].table.rows().size(), fmt::arg("out", printable(a.out, 200))));
     return 0;
 }
 

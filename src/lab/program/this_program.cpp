@@ -42,7 +42,7 @@ Command cite_command(CLI::App& app) {
         "The program is cited with its version and revision. A DOI stands only where one was found beside the title in "
         "a second place.\n\n"
         "Exit code: 0; 2 a name that is no variant.");
-    c->add_option("VARIANT", *variants, "names of variants, as rlslab list shows them")->type_name("");
+    OptionRow("VARIANT", *variants, "", "names of variants, as rlslab list shows them").define(*c);
     return {c, [variants] { return run_cite(*variants); }};
 }
 
@@ -76,7 +76,7 @@ Command state_command(CLI::App& app) {
         "forgetting), and their editions, options and counts of rows. C++ reads and writes such files with "
         "<rlslab/state/state_file.hpp>.\n\n"
         "Exit code: 0 a state; 2 a file that cannot be read, is no state, or is damaged.");
-    c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
+    OptionRow("FILE", *file, "", named("the name of a file"), "a state that was saved").required().define(*c);
     return {c, [file] {
                 std::vector<std::byte> const bytes = detail::bytes_of(*file);
                 try {

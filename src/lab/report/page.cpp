@@ -4,6 +4,8 @@
 #include "src/lab/report/svg.hpp"
 #include "src/lab/report/provenance.hpp"
 
+#include <rlslab/core/input_error.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/chrono.h>
@@ -185,11 +187,7 @@ std::string as_json(Provenance const& of) {
 
 std::string as_comments(Provenance const& of) {
     std::string out;
-    for (auto [key, value] : items(of)) {
-        for (char& c : value)
-            if (c == '\n' || c == '\r') c = ' ';  // a word of the command may hold one
-        out += fmt::format("# {}: {}\n", key, value);
-    }
+    for (auto const& [key, value] : items(of)) out += fmt::format("# {}: {}\n", key, printable(value, value.npos));
     return out;
 }
 
@@ -203,8 +201,14 @@ std::string as_html(Provenance const& of) {
 }
 
 std::string in_quotes(std::string const& text) {
-    std::string out = "'";
-    for (char const c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    bool const plain = printable(text, text.npos) == text;  // else by bash's $'...': "\xNN" for other bytes
+    std::string out = plain ? "'" : "$'";
+    for (std::string_view rest = text; !rest.empty();) {
+        size_t const length = std::max<size_t>(1, printable_character(rest));
+        std::string const letter = printable(rest.substr(0, length));
+        out += letter == "'" ? (plain ? "'\\''" : "\\'") : letter == "\\" && !plain ? "\\\\" : letter;
+        rest.remove_prefix(length);
+    }
     return out + '\'';
 }
 
