@@ -278,7 +278,7 @@ public:
         requires(M == Dynamic)
     {
         expects(more >= 0 && from_zero_, "outputs that begin at theta0 = 0");
-        room_for(outputs() + more);
+        room_for(Index(size_t(outputs()) + size_t(more)));  // without overflow: a sum of 2^63 and more is no room
         theta_.resize(theta_.size() + size_t(more), StateVector<T, N>(psi_.size()));
         steps_.resize(theta_.size(), {T(0), T(0), T(1)});
     }
