@@ -6,6 +6,7 @@
 #include <rlslab/linalg/reflections.hpp>
 
 #include <array>
+#include <new>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -347,7 +348,8 @@ private:
     Index room_for(Index outputs) const {
         if constexpr (M == Dynamic) {  // a vector's own numbers beside its entry and what the heap keeps of it
             size_t const each = (size_t(psi_.size()) + 8) * sizeof(T) + sizeof(StateVector<T>) + sizeof(Step<T>) + 64;
-            std::vector<char>().reserve(size_t(outputs) > PTRDIFF_MAX / each ? PTRDIFF_MAX : size_t(outputs) * each);
+            if (size_t(outputs) > PTRDIFF_MAX / each) throw std::bad_alloc();
+            std::vector<char>().reserve(size_t(outputs) * each);
         }
         return outputs;
     }
