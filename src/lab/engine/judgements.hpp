@@ -52,7 +52,8 @@ public:
     /// The same of these rows, as a median without bounds.
     Statistic on(Selection rows) const;
 };
-/// A number less another, or over it; over the replicates of the first the median. `x.on(rows) / x.on(others)`: of two kinds of rows.
+/// A number less another, or over it; over the replicates of the first the median. `x.on(rows) / x.on(others)`: of two
+/// kinds of rows.
 Statistic operator-(Statistic a, Statistic b);
 Statistic operator/(Statistic a, Statistic b);
 

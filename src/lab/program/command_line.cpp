@@ -99,8 +99,7 @@ struct CommandLine {
             if (!apart && value.empty()) refuse("{}: expected {}, found nothing", name, option->get_type_name());
             if (apart && value.starts_with("--") &&
                 taker->get_option_no_throw(value.substr(0, value.find('='))) != nullptr)
-                refuse("{}: expected {}, found the option {}", name, option->get_type_name(),
-                       value.substr(0, value.find('=')));
+                refuse("{}: expected {}, found the option {}", name, option->get_type_name(), printable(value));
             bool const several = option->get_items_expected_max() > 1;
             if (several && option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll && !value.empty()) {
                 out.pop_back();
