@@ -18,10 +18,11 @@ file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/rlslab/*/*.hpp
 set(ptx_parts "")
 set(kernels ${PROJECT_SOURCE_DIR}/src/rlslab/gpu/kernels.cu)
 foreach(part RANGE 1 6)
-  # 77 is 'M': as on a Cortex-M, the text of the kernels that is for any arithmetic (linalg/storage.hpp)
+  # 77 is 'M': as on a Cortex-M, the text of the kernels that is for any arithmetic (linalg/storage.hpp). PTX 6.0 has
+  # what a warp does together; left alone clang takes 4.2, or that of a toolkit which happens to be there.
   add_custom_command(OUTPUT kernels_${part}.ptx DEPENDS ${kernels} ${headers}
-    COMMAND ${RLSLAB_CLANG_16} -x cuda --cuda-device-only --cuda-gpu-arch=sm_70 -nocudainc -nocudalib -std=c++20
-      ${part_${part}} -ffp-contract=off -fno-exceptions -Xclang -fcuda-allow-variadic-functions
+    COMMAND ${RLSLAB_CLANG_16} -x cuda --cuda-device-only --cuda-gpu-arch=sm_70 --cuda-feature=+ptx60 -nocudainc
+      -nocudalib -std=c++20 ${part_${part}} -ffp-contract=off -fno-exceptions -Xclang -fcuda-allow-variadic-functions
       -D__ARM_ARCH_PROFILE=77 -DRLSLAB_PART=${part} -Wno-unknown-cuda-version -Wno-ignored-pragmas
       -I${PROJECT_SOURCE_DIR}/src ${eigen_folders} -S ${kernels} -o kernels_${part}.ptx
     COMMENT "kernels for a GPU, part ${part}" VERBATIM)

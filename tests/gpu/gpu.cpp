@@ -79,6 +79,7 @@ std::vector<std::string> faults_of(std::string_view ptx) {
 TEST(GpuKernels, RoundEachOperationOnce) {
     std::string const ptx(driver::ptx());
     EXPECT_THAT(faults_of(ptx), testing::IsEmpty());
+    EXPECT_EQ(ptx.find(".version 7"), ptx.npos) << "of a toolkit that happens to be here";
     for (auto const& [was, is] : {std::pair{"mul.rn.f64", "fma.rn.f64"},
                                   {"div.rn.f32", "div.approx.f32"},
                                   {"add.rn.f32", "add.rn.ftz.f32"},
