@@ -14,13 +14,13 @@
 
 namespace rlslab::program {
 
-/// A check for a whole number in [least, most]; its message is one line.
+/// A check for a whole number, or a finite one, in [least, most]; its message, one line, says what was expected.
 CLI::Validator whole(long least, long most);
-/// A check for a finite number in [least, most]; its message is one line that says what was expected.
 CLI::Validator real(char const* expected, double least, double most = std::numeric_limits<double>::max());
 inline constexpr double above_zero = std::numeric_limits<double>::denorm_min();
-/// A check for a name that is not empty; its message is one line that says what was expected.
+/// The same for a name that is not empty.
 CLI::Validator named(char const* expected);
+
 /// An option of a command as a row {name, variable, value, check, help}. The command line, its checks, help, manual and
 /// completion are made from it. A variable that is a list takes names in one word: it must not swallow FILE behind it.
 class OptionRow {
