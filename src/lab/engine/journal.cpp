@@ -73,7 +73,8 @@ std::vector<std::filesystem::path> journals(std::filesystem::path const& folder)
     std::vector<std::filesystem::path> out;
     std::error_code error;
     for (auto const& file : std::filesystem::directory_iterator(folder, error))
-        if (!study_of(file.path()).empty() && !file.path().string().ends_with(".new")) out.push_back(file.path());
+        if (file.is_regular_file(error) && !study_of(file.path()).empty() && file.path().extension() != ".new")
+            out.push_back(file.path());
     std::ranges::sort(out);
     return out;
 }

@@ -7,9 +7,11 @@
 #include <rlslab/input/formats/open.hpp>
 
 #include <CLI/CLI.hpp>
+#include <concepts>
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <string>
 
 namespace rlslab::program {
@@ -29,17 +31,12 @@ class OptionRow {
     char const* value_ = nullptr;  // none: a flag
     CLI::Validator check_;
     std::function<CLI::Option*(CLI::App&)> add_;
-    static constexpr bool is_list(auto const&) { return false; }
-    template <class T>
-    static constexpr bool is_list(std::vector<T> const&) {
-        return true;
-    }
 
 public:
     template <class T>
     OptionRow(std::string name, T& into, char const* value, CLI::Validator check, std::string help)
         : value_(value), check_(std::move(check)) {
-        if (is_list(into) && name.starts_with("--")) given_ = Given::listed;
+        if (std::ranges::range<T> && !std::same_as<T, std::string>) given_ = Given::listed;
         add_ = [=, &into](CLI::App& command) { return command.add_option(name, into, help); };
     }
     template <class T>
