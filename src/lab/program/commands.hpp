@@ -36,7 +36,7 @@ public:
     template <class T>
     OptionRow(std::string name, T& into, char const* value, CLI::Validator check, std::string help)
         : value_(value), check_(std::move(check)) {
-        if (std::ranges::range<T> && !std::same_as<T, std::string>) given_ = Given::listed;
+        if (std::ranges::range<T> && !std::same_as<T, std::string> && name.starts_with("--")) given_ = Given::listed;
         add_ = [=, &into](CLI::App& command) { return command.add_option(name, into, help); };
     }
     template <class T>
