@@ -8,6 +8,7 @@
 #include <rlslab/variants/ud_delta.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 
 #include <Eigen/LU>
@@ -22,15 +23,16 @@ namespace {
 using Word = VariablePrecision;
 double in_word(double x) { return nearest_in(PrecisionScope::format(), x); }
 
-Matrix<double> narrow(Matrix<Reference> const& wide) {
-    return wide.unaryExpr([](Reference const& x) { return static_cast<double>(x); });
+Matrix<Quad> narrow(Matrix<Reference> const& wide) {
+    return wide.unaryExpr([](Reference const& x) { return Quad(static_cast<double>(x)); });
 }
 
-/// ||Phat - P||_F / ||P||_F, and (tr Phat - tr P) / tr P.
+/// ||Phat - P||_F / ||P||_F, and (tr Phat - tr P) / tr P. In Quad: Eigen's sums of doubles are in an order, and with
+/// fused products, of the instruction set.
 struct Off {
     double norm, trace;
-    Off(Matrix<double> const& Phat, Matrix<double> const& P)
-        : norm((Phat - P).norm() / P.norm()), trace((Phat - P).trace() / P.trace()) {}
+    Off(Matrix<Quad> const& Phat, Matrix<Quad> const& P)
+        : norm(double((Phat - P).norm() / P.norm())), trace(double((Phat - P).trace() / P.trace())) {}
 };
 
 // --- every cycle of a short word -------------------------------------------------------------------------------------
@@ -100,9 +102,9 @@ void cycles_of_two(Trial const& trial, TrialOutput& out) {
         for (int b = -16; b <= 16; ++b) {
             if (std::abs(a * b) == 256) continue;
             Eigen::Matrix2d rows{{1.0, a / 16.0}, {b / 16.0, 1.0}};
-            Matrix<double> const P =
-                (1 - lambda * lambda) *
-                (lambda * rows.row(0).transpose() * rows.row(0) + rows.row(1).transpose() * rows.row(1)).inverse();
+            Matrix<Quad> const one = rows.row(0).cast<Quad>(), two = rows.row(1).cast<Quad>();
+            Matrix<Quad> const P = Quad(1 - lambda * lambda) *
+                                   Matrix<Quad>(one.transpose() * one * Quad(lambda) + two.transpose() * two).inverse();
             F f({.size = 2, .forgetting = Word(lambda), .prior = Prior<Word>{.variance = Word(1)}});
             auto const period = [&] {
                 for (int i = 0; i < 2; ++i) f.update(std::vector{Word(rows(i, 0)), Word(rows(i, 1))}, Word(0));
@@ -199,9 +201,9 @@ struct Dithered {
             v[j] = g, before = after;
         }
     }
-    Matrix<double> covariance() const {
-        auto const wide = [](Word const& x) { return double(x); };
-        Matrix<double> const T = U.unaryExpr(wide);
+    Matrix<Quad> covariance() const {
+        auto const wide = [](Word const& x) { return Quad(double(x)); };
+        Matrix<Quad> const T = U.unaryExpr(wide);
         return T * D.unaryExpr(wide).asDiagonal() * T.transpose();
     }
 };
@@ -224,12 +226,13 @@ void run(Trial const& trial, TrialOutput& out) {
     auto const d = Index(trial.number("d"));
     Index const count = Index(m * (rounding == "stochastic" && d > 1 ? 6 : 0.6931 * p + 1.5));
     Rows const rows(kind, d, count, trial.seed({"rows", "word", "memory", "d", "replicate"}));
-    Matrix<double> M = Matrix<double>::Identity(d, d);
-    for (Index k = 0; k < count; ++k) M = lambda * M + rows.psi.col(k) * rows.psi.col(k).transpose();
-    Matrix<double> const P = M.inverse();
-    auto const report = [&](std::string const& form, Matrix<double> const& Phat) {
+    Matrix<Quad> const psi = rows.psi.cast<Quad>();
+    Matrix<Quad> M = Matrix<Quad>::Identity(d, d);
+    for (Index k = 0; k < count; ++k) M = Quad(lambda) * M + psi.col(k) * psi.col(k).transpose();
+    Matrix<Quad> const P = M.inverse();
+    auto const report = [&](std::string const& form, Matrix<Quad> const& Phat) {
         Off const off(Phat, P);
-        double const by_law = law(form, kind, nearest, rows.distinct, m, P(0, 0));
+        double const by_law = law(form, kind, nearest, rows.distinct, m, double(P(0, 0)));
         out({form, rows.distinct, off.norm / u, by_law, off.norm / u / by_law, off.trace / u / by_law, 0.0});
     };
     Seed draws = trial.seed({"rows", "word", "memory", "d", "replicate", "rounding"});
@@ -251,7 +254,7 @@ void run(Trial const& trial, TrialOutput& out) {
     if (p != 14 || kind != "period 4" || !nearest) return;
     CertifiedSolution const exact = certified(problem, records, {count}, 12).front();
     Stored<Reference> const mine{Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain,
-                                 P.cast<Reference>()};
+                                 P.unaryExpr([](Quad const& x) { return widen(x); })};
     out({"reference", rows.distinct, error_of(exact.covariance_digits(mine)), 0.0, 0.0, 0.0, 0.0});
 }
 

@@ -37,9 +37,7 @@ Records answered_by(Matrix<double> const& psi, Vector<double> const& theta, Seed
     return out;
 }
 
-Matrix<double> sizes(Matrix<Quad> const& A) {
-    return A.unaryExpr([](Quad const& x) { return std::abs(static_cast<double>(x)); });
-}
+Matrix<Quad> sizes(Matrix<Quad> const& A) { return A.cwiseAbs(); }
 /// docs/theory.md 114 for joseph and lambda = 1, relative to P_N in the Frobenius norm.
 double bound(Problem<double> const& problem, Matrix<double> const& psi) {
     Index const d = psi.rows(), N = psi.cols();
@@ -57,22 +55,21 @@ double bound(Problem<double> const& problem, Matrix<double> const& psi) {
         M += x.lazyProduct(x.transpose());
         covariance.push_back(P), information.push_back(M);
     }
-    Matrix<double> const last = sizes(P);
-    Matrix<double> before = sizes(P.lazyProduct(information[0])), sum = Matrix<double>::Zero(d, d);
+    Matrix<Quad> const last = sizes(P);
+    Matrix<Quad> before = sizes(P.lazyProduct(information[0])), sum = Matrix<Quad>::Zero(d, d);
     for (Index k = 1; k <= N; ++k) {
         size_t const n = size_t(k);
         Matrix<Quad> const Kpsi = gain[n].lazyProduct(psi.col(k - 1).cast<Quad>().transpose());
-        Matrix<double> const T = sizes(P.lazyProduct(information[n])), A = sizes(one - Kpsi),
-                             was = sizes(covariance[n - 1]), is = sizes(covariance[n]),
-                             K = sizes(Matrix<Quad>(gain[n]));
-        Matrix<double> G = A;
+        Matrix<Quad> const T = sizes(P.lazyProduct(information[n])), A = sizes(one - Kpsi),
+                           was = sizes(covariance[n - 1]), is = sizes(covariance[n]), K = sizes(gain[n]);
+        Matrix<Quad> G = A;
         G.diagonal() += sizes(Kpsi).diagonal();
-        Matrix<double> const of_A = T * G * last, kept = is + K * K.transpose();
-        sum += double(d) * (T * A * was * before.transpose() + T * is * A.transpose() * T.transpose()) + of_A +
+        Matrix<Quad> const of_A = T * G * last, kept = is + K * K.transpose();
+        sum += Quad(d) * (T * A * was * before.transpose() + T * is * A.transpose() * T.transpose()) + of_A +
                of_A.transpose() + T * kept * T.transpose();
         before = T;
     }
-    return 0x1p-53 * sum.norm() / last.norm();
+    return 0x1p-53 * double(sum.norm() / last.norm());
 }
 
 /// Joseph's form in the basis of the first rows (docs/theory.md 119):
@@ -164,9 +161,11 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem{.size = d,
                                   .forgetting = trial.number("lambda"),
                                   .prior = Prior<double>{.variance = trial.number("c2") * kappa * kappa}};
-    Matrix<double> const psi = regressors(trial, d, rows), by_rows = psi.transpose();
-    Eigen::JacobiSVD<Matrix<double>> const svd(by_rows, Eigen::ComputeThinV);
-    Vector<double> const ones = Vector<double>::Ones(d), lengths = by_rows.colwise().norm();
+    Matrix<double> const psi = regressors(trial, d, rows);
+    // In Quad: Eigen's sums of doubles are in an order, and with fused products, of the instruction set.
+    Matrix<Quad> const by_rows = psi.transpose().cast<Quad>();
+    Matrix<double> const V = Eigen::JacobiSVD<Matrix<Quad>>(by_rows, Eigen::ComputeThinV).matrixV().cast<double>();
+    Vector<double> const ones = Vector<double>::Ones(d), lengths = by_rows.colwise().norm().cast<double>();
     Vector<double> const binary = lengths.unaryExpr([](double x) { return std::ldexp(1, std::ilogb(x)); });
     Seed seed = trial.seed({"d", "replicate"});
     Vector<double> generic(d);
@@ -174,8 +173,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const promised = problem.forgetting == 1 ? bound(problem, psi) : undefined<double>();
     for (std::string const direction : {"along v_1", "along v_d", "generic"}) {
         Vector<double> const theta = direction == "generic"     ? generic
-                                     : direction == "along v_1" ? Vector<double>(svd.matrixV().col(0))
-                                                                : Vector<double>(svd.matrixV().col(d - 1));
+                                     : direction == "along v_1" ? Vector<double>(V.col(0))
+                                                                : Vector<double>(V.col(d - 1));
         Records const data = answered_by(psi, theta, seed);
         CertifiedSolution const exact = certified(problem, data, {rows}, 40).front();
         auto const row = [&](std::string const& form, Answer const& a) {

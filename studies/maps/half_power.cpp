@@ -32,7 +32,7 @@ void measure(Trial const& trial, TrialOutput& out) {
             trial.entry(name, "float")
                 .make({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = c2}}, Seed{1});
         process_rows(*filter, records, 0, records.rows());
-        Eigen::MatrixXd const P =
+        Matrix<double> const P =
             covariance_of(filter->stored()).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
         double const eta = P.allFinite() ? law.eta(P) : INFINITY;
         bool const stored = name == "symmetric" || name == "joseph";

@@ -1,7 +1,9 @@
-// The bounds of the half-power law (docs/theory.md 129) over rows, and rows to try them on.
+// The bounds of the half-power law (docs/theory.md 129) over rows, and rows to try them on. In Quad: Eigen sums
+// doubles in an order, and with fused products, of the instruction set.
 #pragma once
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/core/matrices.hpp>
 #include <rlslab/core/random.hpp>
 
@@ -15,22 +17,24 @@
 
 namespace rlslab::studies {
 
-inline Eigen::VectorXd spectrum_of(Eigen::MatrixXd const& A) {
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues();
+using Quads = Eigen::Matrix<Quad, Eigen::Dynamic, Eigen::Dynamic>;
+
+inline Vector<double> spectrum_of(Quads const& A) {
+    return Eigen::SelfAdjointEigenSolver<Quads>(A, Eigen::EigenvaluesOnly).eigenvalues().cast<double>();
 }
 
 /// Columns are rows, in numbers of float. basis: "rotated", "units" (a geometric spectrum), "line" (an autoregression),
 /// "start" (columns that stand near 1 for half of the rows).
 inline Matrix<double> half_power_rows(std::string_view basis, Index d, double kappa, Index count, Seed& seed) {
-    Eigen::MatrixXd turn(d, d);
-    for (double& x : turn.reshaped()) x = seed.bell();
-    Eigen::HouseholderQR<Eigen::MatrixXd> const qr(turn);
+    Quads turn(d, d);
+    for (Quad& x : turn.reshaped()) x = seed.bell();
+    Eigen::HouseholderQR<Quads> const qr(turn);
     turn = qr.householderQ();
     Matrix<double> out(d, count);
     Eigen::VectorXd line = Eigen::VectorXd::Zero(d), row(d);
     for (Index k = 0; k < count; ++k) {
         for (Index i = 0; i < d; ++i) row[i] = seed.bell() * correctly::pow(kappa, -double(i) / double(d - 1));
-        if (basis == "rotated") row = (turn * row).eval();
+        if (basis == "rotated") row = (turn * row.cast<Quad>()).cast<double>().eval();
         if (basis == "start")
             for (double& x : row) x = 1 + seed.bell() / (2 * k < count ? kappa : 1);
         if (basis == "line") {
@@ -46,25 +50,24 @@ inline Matrix<double> half_power_rows(std::string_view basis, Index d, double ka
 /// Over u: sum tau mu^-1/2, sum tau / (mu gamma), and the bounds of four forms.
 struct HalfPowerLaw {
     double half = 0, whole = 0, ud = 0, ud_delta = 0, symmetric = 0, joseph = 0;
-    Eigen::MatrixXd root;  // L of P_N^-1 = LL'
+    Quads root;  // L of P_N^-1 = LL'
 
     HalfPowerLaw(Matrix<double> const& rows, double lambda, double c2) {
-        using Doubles = Eigen::MatrixXd;
         Index const d = rows.rows();
-        std::vector<Doubles> M{Doubles::Identity(d, d) / c2};
+        std::vector<Quads> M{Quads::Identity(d, d) / Quad(c2)};
         std::vector<double> mu{1}, gamma{1};
-        Doubles P = Doubles::Identity(d, d) * c2;
+        Quads P = Quads::Identity(d, d) * Quad(c2);
         for (Index k = 0; k < rows.cols(); ++k) {
-            Eigen::VectorXd const psi = rows.col(k);
-            gamma.push_back(lambda / (lambda + psi.dot(P * psi)));
-            M.push_back(lambda * M.back() + psi * psi.transpose());
-            P = M.back().llt().solve(Doubles::Identity(d, d));
-            P = (P + P.transpose()).eval() / 2;
-            Eigen::VectorXd const a = P.diagonal().cwiseSqrt().cwiseInverse();
+            Vector<Quad> const psi = rows.col(k).cast<Quad>();
+            gamma.push_back(double(lambda / (lambda + psi.dot(P * psi))));
+            M.push_back(Quad(lambda) * M.back() + psi * psi.transpose());
+            P = M.back().llt().solve(Quads::Identity(d, d));
+            P = (P + P.transpose()).eval() / Quad(2);
+            Vector<Quad> const a = P.diagonal().cwiseSqrt().cwiseInverse();
             mu.push_back(std::max(1e-15, spectrum_of(a.asDiagonal() * P * a.asDiagonal())[0]));
         }
         root = M.back().llt().matrixL();
-        Doubles const of_P = P.llt().matrixL();
+        Quads const of_P = P.llt().matrixL();
         double const D = double(d), r = lambda == 1 ? 0 : 2, sweep = 2 * std::sqrt(D) * (4 * D + 7);
         for (size_t k = 0; k < M.size(); ++k) {
             double const tau = std::min(1.0, correctly::pow(lambda, double(M.size() - 1 - k)) *
@@ -82,11 +85,10 @@ struct HalfPowerLaw {
     }
 
     /// How far P is from P_N in the metric of P_N.
-    double eta(Eigen::MatrixXd P) const {
-        P = (P + P.transpose()).eval() / 2;
-        return spectrum_of(root.transpose() * P * root - Eigen::MatrixXd::Identity(P.rows(), P.cols()))
-            .cwiseAbs()
-            .maxCoeff();
+    double eta(Matrix<double> const& Phat) const {
+        Quads P = Phat.cast<Quad>();
+        P = (P + P.transpose()).eval() / Quad(2);
+        return spectrum_of(root.transpose() * P * root - Quads::Identity(P.rows(), P.cols())).cwiseAbs().maxCoeff();
     }
 };
 
