@@ -28,8 +28,7 @@ inline Vector<double> spectrum_of(Quads const& A) {
 inline Matrix<double> half_power_rows(std::string_view basis, Index d, double kappa, Index count, Seed& seed) {
     Quads turn(d, d);
     for (Quad& x : turn.reshaped()) x = seed.bell();
-    Eigen::HouseholderQR<Quads> const qr(turn);
-    turn = qr.householderQ();
+    turn = Eigen::HouseholderQR<Quads>(turn).householderQ();
     Matrix<double> out(d, count);
     Eigen::VectorXd line = Eigen::VectorXd::Zero(d), row(d);
     for (Index k = 0; k < count; ++k) {
@@ -86,8 +85,7 @@ struct HalfPowerLaw {
 
     /// How far P is from P_N in the metric of P_N.
     double eta(Matrix<double> const& Phat) const {
-        Quads P = Phat.cast<Quad>();
-        P = (P + P.transpose()).eval() / Quad(2);
+        Quads const P = (Phat.cast<Quad>() + Phat.transpose().cast<Quad>()) / Quad(2);
         return spectrum_of(root.transpose() * P * root - Quads::Identity(P.rows(), P.cols())).cwiseAbs().maxCoeff();
     }
 };
