@@ -27,8 +27,7 @@ Matrix<Quad> narrow(Matrix<Reference> const& wide) {
     return wide.unaryExpr([](Reference const& x) { return Quad(static_cast<double>(x)); });
 }
 
-/// ||Phat - P||_F / ||P||_F, and (tr Phat - tr P) / tr P. In Quad: Eigen's sums of doubles are in an order, and with
-/// fused products, of the instruction set.
+/// ||Phat - P||_F / ||P||_F, and (tr Phat - tr P) / tr P; in Quad, as in half_power.hpp.
 struct Off {
     double norm, trace;
     Off(Matrix<Quad> const& Phat, Matrix<Quad> const& P)

@@ -162,8 +162,7 @@ void measure(Trial const& trial, TrialOutput& out) {
                                   .forgetting = trial.number("lambda"),
                                   .prior = Prior<double>{.variance = trial.number("c2") * kappa * kappa}};
     Matrix<double> const psi = regressors(trial, d, rows);
-    // In Quad: Eigen's sums of doubles are in an order, and with fused products, of the instruction set.
-    Matrix<Quad> const by_rows = psi.transpose().cast<Quad>();
+    Matrix<Quad> const by_rows = psi.transpose().cast<Quad>();  // Quad: as in half_power.hpp
     Matrix<double> const V = Eigen::JacobiSVD<Matrix<Quad>>(by_rows, Eigen::ComputeThinV).matrixV().cast<double>();
     Vector<double> const ones = Vector<double>::Ones(d), lengths = by_rows.colwise().norm().cast<double>();
     Vector<double> const binary = lengths.unaryExpr([](double x) { return std::ldexp(1, std::ilogb(x)); });
