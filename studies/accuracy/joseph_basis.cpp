@@ -6,6 +6,7 @@
 
 #include <rlslab/adapt/around.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/linalg/product.hpp>
 #include <rlslab/linalg/triangles.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/qr.hpp>
@@ -16,6 +17,7 @@
 namespace rlslab::studies {
 namespace {
 
+using detail::product;
 constexpr double noise = 1e-7;  // noise kappa stays below 0.01: theta along v_d is determined
 
 /// rows x d of these singular values: random directions, or white rows in columns of those units.
@@ -37,7 +39,7 @@ Records answered_by(Matrix<double> const& psi, Vector<double> const& theta, Seed
     return out;
 }
 
-Matrix<Quad> sizes(Matrix<Quad> const& A) { return A.cwiseAbs(); }
+Matrix<double> sizes(Matrix<Quad> const& A) { return A.cwiseAbs().cast<double>(); }
 /// docs/theory.md 114 for joseph and lambda = 1, relative to P_N in the Frobenius norm.
 double bound(Problem<double> const& problem, Matrix<double> const& psi) {
     Index const d = psi.rows(), N = psi.cols();
@@ -55,21 +57,20 @@ double bound(Problem<double> const& problem, Matrix<double> const& psi) {
         M += x.lazyProduct(x.transpose());
         covariance.push_back(P), information.push_back(M);
     }
-    Matrix<Quad> const last = sizes(P);
-    Matrix<Quad> before = sizes(P.lazyProduct(information[0])), sum = Matrix<Quad>::Zero(d, d);
-    for (Index k = 1; k <= N; ++k) {
-        size_t const n = size_t(k);
-        Matrix<Quad> const Kpsi = gain[n].lazyProduct(psi.col(k - 1).cast<Quad>().transpose());
-        Matrix<Quad> const T = sizes(P.lazyProduct(information[n])), A = sizes(one - Kpsi),
-                           was = sizes(covariance[n - 1]), is = sizes(covariance[n]), K = sizes(gain[n]);
-        Matrix<Quad> G = A;
-        G.diagonal() += sizes(Kpsi).diagonal();
-        Matrix<Quad> const of_A = T * G * last, kept = is + K * K.transpose();
-        sum += Quad(d) * (T * A * was * before.transpose() + T * is * A.transpose() * T.transpose()) + of_A +
-               of_A.transpose() + T * kept * T.transpose();
+    Matrix<double> const last = sizes(P);
+    Matrix<double> before = sizes(P.lazyProduct(information[0])), sum = Matrix<double>::Zero(d, d);
+    for (size_t n = 1; n <= size_t(N); ++n) {
+        Matrix<Quad> const Kpsi = gain[n].lazyProduct(psi.col(Index(n) - 1).cast<Quad>().transpose());
+        Matrix<double> const T = sizes(P.lazyProduct(information[n])), A = sizes(one - Kpsi), TA = product(T, A),
+                             was = sizes(covariance[n - 1]), is = sizes(covariance[n]), K = sizes(gain[n]);
+        Matrix<double> const G = A + Matrix<double>(sizes(Kpsi).diagonal().asDiagonal());
+        Matrix<double> const of_A = product(product(T, G), last), kept = is + product<double>(K, K.transpose());
+        sum += double(d) * (product<double>(TA, product<double>(was, before.transpose())) +
+                            product<double>(product(T, is), TA.transpose())) +
+               of_A + of_A.transpose() + product<double>(product(T, kept), T.transpose());
         before = T;
     }
-    return 0x1p-53 * double(sum.norm() / last.norm());
+    return 0x1p-53 * double(sum.cast<Quad>().norm() / last.cast<Quad>().norm());
 }
 
 /// Joseph's form in the basis of the first rows (docs/theory.md 119):
@@ -171,9 +172,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (double& x : generic) x = seed.bell();
     double const promised = problem.forgetting == 1 ? bound(problem, psi) : undefined<double>();
     for (std::string const direction : {"along v_1", "along v_d", "generic"}) {
-        Vector<double> const theta = direction == "generic"     ? generic
-                                     : direction == "along v_1" ? Vector<double>(V.col(0))
-                                                                : Vector<double>(V.col(d - 1));
+        Vector<double> const theta =
+            direction == "generic" ? generic : Vector<double>(V.col(direction == "along v_1" ? 0 : d - 1));
         Records const data = answered_by(psi, theta, seed);
         CertifiedSolution const exact = certified(problem, data, {rows}, 40).front();
         auto const row = [&](std::string const& form, Answer const& a) {
