@@ -180,7 +180,7 @@ int run_rows(int argc, char** argv) {
     if (choice().made && !for_people && !choice().csv.empty())
         throw std::runtime_error("--csv: does not go with --benchmark_format");
     OneLineEach& ours = choice().made ? static_cast<OneLineEach&>(tables) : lines;
-    if (benchmark::RunSpecifiedBenchmarks(for_people ? &ours : chosen) == 0 && choice().made)
+    if (benchmark::RunSpecifiedBenchmarks(for_people ? &ours : chosen) == 0)
         throw std::runtime_error("no row has these sizes, arithmetic and filter");
     if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw std::runtime_error("standard output: cannot be written");
     if (!choice().csv.empty()) replace_file(choice().csv, tables.csv());

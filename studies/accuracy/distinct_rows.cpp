@@ -356,7 +356,7 @@ c\sqrt2\,u\sqrt{m/2} \text{ (at random)}, \qquad m = \frac{1}{1-\lambda})tex",
                .where = {{"rows", repeated}, {"memory", {"1000"}}, {"word", {"24"}}, {"d", {"4"}}}}},
     // The last number of each: the probability that was given to "holds" before any run.
     .claims = {
-        {"P in double lies within 1e-10 of the certified one",
+        {"P in Quad lies within 1e-10 of the certified one",
          within(of_form("reference"), {}, greatest("error"), 0, 1e-10), verification("u of double, times m"), 0.97},
         {"one parameter, one row, 8 bits and more: the worst cycle of ud_delta errs by 0.85 to 1.35 u m",
          within(cycles(1, 1).where("word", at_least(8)), {"word"}, greatest("ratio").as(Estimate::fixed), 0.85, 1.35),

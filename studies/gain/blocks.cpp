@@ -8,8 +8,6 @@
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/pair.hpp>
 
-#include <Eigen/Cholesky>
-
 #include <cmath>
 
 namespace rlslab::studies {
@@ -39,12 +37,13 @@ Matrix<T> inverse_of(Matrix<T> const& S) {
 /// G S^-1 by Cholesky of S's lower triangle; NaN where S is not definite.
 template <class T>
 Matrix<T> divided(Matrix<T> G, Matrix<T> S) {
+    using std::sqrt;
     Index const k = S.rows();
     auto const minus = [](auto to, T const& f, auto const& x) {
         for (Index i = 0; i < x.size(); ++i) to[i] -= f * x[i];
     };
     for (Index j = 0; j < k; ++j) {
-        S(j, j) = std::sqrt(S(j, j));
+        S(j, j) = sqrt(S(j, j));
         for (Index i = j + 1; i < k; ++i) S(i, j) /= S(j, j);
         for (Index c = j + 1; c < k; ++c) minus(S.col(c).tail(k - c), S(c, j), S.col(j).tail(k - c));
     }
@@ -136,11 +135,9 @@ template <class T>
 Matrix<Pair> covariance_in_pairs(Stored<T> const& stored) {
     Matrix<Pair> const F = multiplied_out(stored.template mapped<Pair>([](T const& x) { return Pair(x); }));
     Matrix<Pair> const X = (F + F.transpose()) / Pair(2);
-    Eigen::LLT<Matrix<Pair>> const llt(X);
-    if (!X.unaryExpr([](Pair const& x) { return double(isfinite(x)); }).isOnes() || llt.info() != Eigen::Success)
-        return {};
-    if (stored.quantity == Stored<T>::Quantity::covariance) return X;
-    return llt.solve(Matrix<Pair>::Identity(F.rows(), F.rows()));
+    Matrix<Pair> inverse = divided<Pair>(Matrix<Pair>::Identity(F.rows(), F.rows()), X);
+    if (!(inverse + X).unaryExpr([](Pair const& x) { return double(isfinite(x)); }).isOnes()) return {};
+    return stored.quantity == Stored<T>::Quantity::covariance ? X : inverse;
 }
 double norm_of(Matrix<Pair> const& A) {
     Pair sum = 0;

@@ -36,7 +36,10 @@ void measure(Trial const& trial, TrialOutput& out) {
             covariance_of(filter->stored()).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
         double const eta = P.allFinite() ? law.eta(P) : INFINITY;
         bool const stored = name == "symmetric" || name == "joseph";
-        double const bound = name == "symmetric" ? law.symmetric : name == "joseph" ? law.joseph : law.ud_delta;
+        // Of the other two no constant was counted.
+        std::map<std::string, double> bounds{{"symmetric", law.symmetric}, {"joseph", law.joseph}, {"ud", law.ud}};
+        bounds["ud_delta"] = law.ud_delta;
+        double const bound = bounds.contains(name) ? bounds[name] : undefined<double>();
         out({variant, eta, eta / (u * (stored ? law.whole : law.half)), eta / (u * bound), u * bound});
     }
 }

@@ -60,6 +60,7 @@ own(0 --help)
 expect("${out}" "--sizes 5,12 .*--benchmark_filter")
 # The installed program has the variants of fixed size, too, and no class of one's own.
 set(program ${WORK_DIR}/prefix/bin/rlslab_bench)
+own(2 run --benchmark_filter=none)
 own(2 run --mine --sizes 4)
 expect("${err}" "--mine: no class is compiled into this program")
 own(0 run --fixed --sizes 4 --benchmark_min_time=0.001

@@ -4,6 +4,7 @@
 #include <rlslab/adapt/extended_least_squares.hpp>
 #include <rlslab/adapt/instrumental_variables.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/core/matrices.hpp>
 #include <rlslab/linalg/dot.hpp>
 #include <rlslab/linalg/product.hpp>
@@ -139,7 +140,6 @@ Prior<double> prior_of(Estimate const& estimate, int more, double further) {
 
 Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> const& c, Matrix<double> const& P,
                                 double sigma2) {
-    Index const d = phi.rows();
     Matrix<double> z = phi;
     for (Index k = 0; k < phi.cols(); ++k)
         for (Index i = 1; i <= std::min<Index>(k, Index(c.size())); ++i) z.col(k) -= c[size_t(i - 1)] * z.col(k - i);
@@ -148,12 +148,12 @@ Vector<double> limit_deviations(Matrix<double> const& phi, std::vector<double> c
     auto const between = [](Square const& F, Square const& X) { return product(product(F, X), Square(F.transpose())); };
     Square const scaled = unit.cwiseInverse().asDiagonal() * P * unit.cwiseInverse().asDiagonal(),
                  moments = product(Square(unit.asDiagonal() * phi), Square(z.transpose() * unit.asDiagonal())),
-                 A = product(scaled, moments), I = Square::Identity(d, d), inverse = A.inverse();  // A = M + I/2
+                 A = product(scaled, moments), I = Square::Identity(A.rows(), A.cols());  // A = M + I/2
+    Square const inverse = Matrix<Quad>(A.cast<Quad>()).inverse().cast<double>();  // of doubles: panels, by processor
     Square F = product(inverse, Square(A - I)), X = between(inverse, scaled);
     auto const squares = [&F] { return dot(F.data(), F.data(), F.size()); };
     for (int j = 0; j < 60 && squares() > 1e-40 && F.allFinite(); ++j) X += between(F, X), F = product(F, F);
-    if (!(squares() <= 1e-40)) return Vector<double>::Constant(d, NAN);
-    return std::sqrt(sigma2) * unit.cwiseProduct(X.diagonal().cwiseSqrt());
+    return (squares() <= 1e-40 ? std::sqrt(sigma2) : NAN) * unit.cwiseProduct(X.diagonal().cwiseSqrt());
 }
 
 void expect_cures(IdentifyOptions const& o, Structure const& structure, Record const& record) {
