@@ -130,19 +130,20 @@ Problem<double> problem_of(Trial const& t) {
             .prior = Prior<double>{.variance = t.number("c2")}};
 }
 
+double norm_of(Matrix<Pair> const& A) {
+    Pair sum = 0;
+    for (Index i = 0; i < A.size(); ++i) sum += A.data()[i] * A.data()[i];
+    return static_cast<double>(sqrt(sum));
+}
 /// P in pairs of doubles; empty where it, or the X = P^-1 that is stored, is not definite.
 template <class T>
 Matrix<Pair> covariance_in_pairs(Stored<T> const& stored) {
     Matrix<Pair> const F = multiplied_out(stored.template mapped<Pair>([](T const& x) { return Pair(x); }));
     Matrix<Pair> const X = (F + F.transpose()) / Pair(2);
-    Matrix<Pair> inverse = divided<Pair>(Matrix<Pair>::Identity(F.rows(), F.rows()), X);
-    if (!(inverse + X).unaryExpr([](Pair const& x) { return double(isfinite(x)); }).isOnes()) return {};
-    return stored.quantity == Stored<T>::Quantity::covariance ? X : inverse;
-}
-double norm_of(Matrix<Pair> const& A) {
-    Pair sum = 0;
-    for (Index i = 0; i < A.size(); ++i) sum += A.data()[i] * A.data()[i];
-    return static_cast<double>(sqrt(sum));
+    bool const is_P = stored.quantity == Stored<T>::Quantity::covariance;  // one row tells whether it is definite
+    Matrix<Pair> const over_X = divided<Pair>(Matrix<Pair>::Identity(is_P ? 1 : X.rows(), X.rows()), X);
+    if (!std::isfinite(norm_of(over_X) + norm_of(X))) return {};
+    return is_P ? X : over_X;
 }
 /// |A - B| / |B|, infinite where A is empty or not finite.
 template <class T>

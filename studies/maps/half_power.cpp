@@ -26,6 +26,8 @@ void measure(Trial const& trial, TrialOutput& out) {
                           .y = Vector<double>::Zero(samples),
                           .names = {}};
     HalfPowerLaw const law(records.psi, lambda, c2);
+    std::map<std::string, double> bounds{{"symmetric", law.symmetric}, {"joseph", law.joseph}, {"ud", law.ud}};
+    bounds["ud_delta"] = law.ud_delta;  // of the other two no constant was counted
     for (Cell const& variant : joined(deltas, {"ud", "symmetric", "joseph"})) {
         auto const name = std::get<std::string>(variant);
         auto const filter =
@@ -36,10 +38,7 @@ void measure(Trial const& trial, TrialOutput& out) {
             covariance_of(filter->stored()).unaryExpr([](Reference const& x) { return static_cast<double>(x); });
         double const eta = P.allFinite() ? law.eta(P) : INFINITY;
         bool const stored = name == "symmetric" || name == "joseph";
-        // Of the other two no constant was counted.
-        std::map<std::string, double> bounds{{"symmetric", law.symmetric}, {"joseph", law.joseph}, {"ud", law.ud}};
-        bounds["ud_delta"] = law.ud_delta;
-        double const bound = bounds.contains(name) ? bounds[name] : undefined<double>();
+        double const bound = bounds.contains(name) ? bounds.at(name) : undefined<double>();
         out({variant, eta, eta / (u * (stored ? law.whole : law.half)), eta / (u * bound), u * bound});
     }
 }
